@@ -95,6 +95,39 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   window.screenshot("image");
 }
 
+TEST_CASE("A picture of the brush for the user guide", "[.guide][.guide_brush]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  WorkstationDriver window("guide");
+  window.start({image.string()});
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
+  const Point from = window.inPane("axial", 0.28, 0.42), to = window.inPane("axial", 0.40, 0.48);
+  window.moveTo(from);
+  window.key("4");
+  window.key("k");
+  C3DE_WAIT(window, "the brush is active", s["tool"] == "segmentation.brush");
+  window.enterNumber("segmentation/brush_radius", "14");
+  const auto picked = [&](const std::string &what, const std::string &last) {
+    C3DE_WAIT(window, what, s["jobs"].empty() && textOf(s, "segmentation/Steps").ends_with(last));
+  };
+  window.drag(from, to, 8);
+  picked("a stroke is painted", "painted");
+  window.moveTo(from);
+  for (int i = 0; i < 12; ++i) window.wheel(1);
+  window.drag(window.inPane("axial", 0.30, 0.44), window.inPane("axial", 0.36, 0.47), 8);
+  picked("another one is painted", "painted, painted");
+  window.click("segmentation/fill_between");
+  picked("the slices are filled", "between");
+  window.moveTo(from);
+  for (int i = 0; i < 6; ++i) window.wheel(-1);
+  window.key("e");
+  window.clickAt(window.inPane("axial", 0.34, 0.43));
+  picked("a disc is erased", "erased");
+  window.clickAt(window.inPane("coronal", 0.9, 0.9));
+  window.moveTo(window.inPane("axial", 0.34, 0.47));
+  window.screenshotAtRest("brush");
+}
+
 TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.guide]") {
   C3DE_WINDOW_OR_SKIP();
   if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz"))

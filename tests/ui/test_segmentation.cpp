@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <regex>
 
+#include "c3de/imaging/reading.h"
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
 #include "ui/simulation_window.h"
@@ -297,4 +298,76 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   CHECK_THAT(notification(again, "Could not create muscle_trunk")["text"].get<std::string>(),
              Contains("has a body of this name"));
   CHECK(again["transport"]["mode"] == "playing");
+}
+
+TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and saved as a label map",
+          "[segmentation_brush]") {
+  C3DE_WINDOW_OR_SKIP();
+  const Phantom phantom;
+  const fs::path file = outputFile("segmentation_brush_phantom.nii.gz"), map = outputFile("segmentation_brush.nrrd");
+  fs::remove(map);
+  if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
+  WorkstationDriver window("segmentation_brush");
+  window.start({file.string()});
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
+  const auto voxels = [](const Json &s) {
+    const std::string text = textOf(s, "segmentation/Picked");
+    const std::size_t comma = text.find(", ");
+    return comma == std::string::npos || text.ends_with("…") ? -1.0 : std::strtod(text.c_str() + comma + 2, nullptr);
+  };
+  const auto waitForVoxels = [&](const std::string &what, double least, double most) {
+    const Json s = window.waitUntil(what, [&](const Json &state) {
+      return voxels(state) >= least && voxels(state) <= most && state["jobs"].empty();
+    });
+    return voxels(s);
+  };
+
+  window.click("segmentation/grow");
+  C3DE_WAIT(window, "a click is waited for", textOf(s, "image/picking") == "on");
+  window.clickAt(axialPixel(window, {-35, 0, 0}));
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ));
+  window.key("ctrl+z");
+  window.waitForValue("segmentation/Picked", "nothing yet");
+
+  // A stroke of 30 mm with a brush of 10 mm: 914 mm², of pixels of 4 mm²; one in ten is on the outline.
+  constexpr double kArea = 914.0 / 4.0;
+  window.moveTo(axialPixel(window, {-30, 0, 0}));
+  window.key("k");
+  C3DE_WAIT(window, "the brush is active", s["tool"] == "segmentation.brush");
+  window.enterNumber("segmentation/brush_radius", "10");
+  window.waitForValue("segmentation/brush_radius", "10 mm");
+  window.drag(axialPixel(window, {-45, 0, 0}), axialPixel(window, {-15, 0, 0}), 6);
+  const double first = waitForVoxels("a stroke is painted", 0.9 * kArea, 1.1 * kArea);
+  const int slice = std::stoi(window.value("image/axial.slice"));
+  window.moveTo(axialPixel(window, {-30, 0, 0}));
+  for (int i = 0; i < 5; ++i) window.wheel(1);
+  C3DE_WAIT(window, "another slice is shown", std::abs(std::stoi(textOf(s, "image/axial.slice")) - slice) == 5);
+  window.drag(axialPixel(window, {-45, 0, 0}), axialPixel(window, {-15, 0, 0}), 6);
+  const double both = waitForVoxels("a second stroke is painted", 1.95 * first, 2.05 * first);
+  window.click("segmentation/fill_between");
+  const double filled = waitForVoxels("the slices between are filled", 2.9 * both, 3.1 * both);
+  window.moveTo(axialPixel(window, {-30, 0, 0}));
+  window.screenshot("filled");
+
+  window.key("e");
+  C3DE_WAIT(window, "it erases", textOf(s, "image/brush") == "erase 10.00 mm");
+  window.clickAt(axialPixel(window, {-30, 0, 0}));
+  waitForVoxels("a disc is erased", filled - 0.4 * kArea, filled - 0.3 * kArea);
+  window.screenshot("erased");
+  window.key("ctrl+z");
+  waitForVoxels("it is undone", filled, filled);
+
+  window.click("segmentation/save_labels");
+  window.enterFile(map);
+  const Json saved = C3DE_WAIT(window, "it is saved", !notification(s, "Label map saved").is_null());
+  CHECK_THAT(notification(saved, "Label map saved")["text"].get<std::string>(), Contains("segmentation_brush.nrrd"));
+  const auto read = imaging::readLabelMap(map);
+  REQUIRE(read);
+  REQUIRE(read->labels.labels.size() == 1);
+  CHECK(read->labels.labels[0].name == "organ");
+  CHECK(std::count(read->labels.voxels.begin(), read->labels.voxels.end(), read->labels.labels[0].value) ==
+        static_cast<std::ptrdiff_t>(filled));
+  // Saved, nothing is lost by quitting.
+  window.key("ctrl+q");
+  CHECK(window.waitForExit() == 0);
 }

@@ -203,8 +203,8 @@ TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment o
   window.key("ctrl+s");
   window.enterFile(session);
   waitForMessage(window, "Session saved");
-  const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--until", fmt::format("{}", time_s),
-                                    "--save-session", straight.string()},
+  const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--until",
+                                    fmt::format("{}", time_s), "--save-session", straight.string()},
                                    120.0);
   REQUIRE(replayed);
   INFO(replayed->errorOutput << replayed->output);

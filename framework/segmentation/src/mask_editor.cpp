@@ -9,8 +9,8 @@
 namespace c3de::segmentation {
 namespace {
 
-/// For a mask of 512 x 512 x 512 voxels each state needs 17 MB.
-constexpr std::size_t kMaxSteps = 32;
+/// Of all states together. A mask of 512 x 512 x 512 voxels takes at most 17 MB, one organ in it usually less than 1 MB.
+constexpr std::size_t kHistoryBytes = std::size_t{256} << 20;
 /// The overlay is uploaded to the graphics card on the main thread: 32 MB, some hundredths of a second.
 constexpr std::size_t kMaxPreviewVoxels = std::size_t{1} << 24;
 
@@ -130,8 +130,11 @@ void MaskEditor::record(State state) {
   if (state.step.kind == Kind::threshold && !states_.empty() && states_.back().step.kind == Kind::threshold)
     states_.pop_back();
   states_.push_back(std::move(state));
-  if (states_.size() > kMaxSteps) {
-    states_.erase(states_.begin());
+  std::size_t bytes = 0, kept = 0;
+  for (auto it = states_.rbegin(); it != states_.rend() && (bytes <= kHistoryBytes || kept < 2); ++it, ++kept)
+    bytes += it->mask ? it->mask->bytes() : 0;
+  if (const std::size_t dropped = states_.size() - kept; dropped > 0) {
+    states_.erase(states_.begin(), states_.begin() + static_cast<std::ptrdiff_t>(dropped));
     isCut_ = true;
   }
   done_ = states_.size();

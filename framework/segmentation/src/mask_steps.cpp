@@ -39,6 +39,38 @@ Expected<imaging::Mask> componentAt(const imaging::Mask &mask, const Vec3 &world
   return imaging::connectedComponent(mask, *index, progress);
 }
 
+/// The mask before, or an empty one: on the grid of the label map, so that it can become a label of it, otherwise on
+/// that of the image.
+Expected<imaging::Mask> startOf(const imaging::Mask *before, const MaskSources &sources) {
+  if (before) return *before;
+  if (!sources.image && !sources.labels) return fail(ErrorCode::usage, "painting needs an image, and none is open");
+  const imaging::VolumeGeometry &grid = sources.labels ? sources.labels->map.geometry : sources.image->volume.geometry;
+  return imaging::Mask{grid, std::vector<std::uint8_t>(grid.voxelCount())};
+}
+
+Expected<imaging::Mask> painted(const MaskStep &step, const MaskSources &sources, const imaging::Mask *before) {
+  if (!before && step.stroke.isErasing) return fail(ErrorCode::usage, "nothing is picked yet that could be erased");
+  auto mask = startOf(before, sources);
+  if (!mask) return mask;
+  const auto done = imaging::paint(*mask, step.stroke, sources.image ? &sources.image->volume : nullptr);
+  if (!done) return tl::unexpected(done.error());
+  return mask;
+}
+
+Expected<imaging::Mask> grownAt(const MaskStep &step, const MaskSources &sources, const imaging::Mask *before,
+                                const ProgressFn &progress) {
+  if (!sources.image) return fail(ErrorCode::usage, "growing a region needs an image, and none is open");
+  auto mask = startOf(before, sources);
+  if (!mask) return mask;
+  const auto region =
+      imaging::regionAround(sources.image->volume, step.world, step.tolerance, step.radius_mm, progress);
+  if (!region) return region;
+  const imaging::Mask added = imaging::onGrid(*region, mask->geometry);
+  for (std::size_t v = 0; v < added.voxels.size(); ++v)
+    if (added.voxels[v] != 0) mask->voxels[v] = 1;
+  return mask;
+}
+
 }  // namespace
 
 std::string MaskStep::text() const {
@@ -51,6 +83,9 @@ std::string MaskStep::text() const {
     case Kind::fillHoles: return "holes filled";
     case Kind::close: return "closed by " + formatNumber(radius_mm) + " mm";
     case Kind::open: return "opened by " + formatNumber(radius_mm) + " mm";
+    case Kind::paint: return stroke.isErasing ? "erased" : "painted";
+    case Kind::grow: return fmt::format("grown at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
+    case Kind::fillBetween: return "slices filled between";
   }
   return {};
 }
@@ -67,13 +102,16 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
       return fail(ErrorCode::usage, "there is no label map to take label " + std::to_string(step.label) + " from");
     return imaging::maskOf(sources.labels->map, step.label);
   }
+  if (step.kind == Kind::paint) return painted(step, sources, before);
+  if (step.kind == Kind::grow) return grownAt(step, sources, before, progress);
   if (!before || step.kind == Kind::labels)
-    return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
+    return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold, or paint first");
   switch (step.kind) {
     case Kind::component: return componentAt(*before, step.world, progress);
     case Kind::largest: return imaging::largestComponent(*before, progress);
     case Kind::fillHoles: return imaging::fillHoles(*before, progress);
     case Kind::close: return imaging::closed(*before, step.radius_mm, progress);
+    case Kind::fillBetween: return imaging::filledBetweenSlices(*before, step.axis, progress);
     default: return imaging::opened(*before, step.radius_mm, progress);
   }
 }
@@ -115,13 +153,40 @@ MaskPreview previewOf(const imaging::Mask &mask, std::size_t mostVoxels) {
   return preview;
 }
 
-PackedMask::PackedMask(const imaging::Mask &mask) : geometry_(mask.geometry), bits_((mask.voxels.size() + 7) / 8) {
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v)
+PackedMask::PackedMask(const imaging::Mask &mask) : geometry_(mask.geometry) {
+  const std::size_t count = mask.voxels.size(), bitBytes = (count + 7) / 8;
+  std::uint32_t length = 0;
+  bool isInside = false;
+  for (std::size_t v = 0; v < count && 4 * runs_.size() < bitBytes; ++v) {
+    const bool isThis = mask.voxels[v] != 0;
+    if (isThis != isInside || length == std::numeric_limits<std::uint32_t>::max()) {
+      runs_.push_back(length);
+      // A run that is too long continues after an empty one.
+      if (isThis == isInside) runs_.push_back(0);
+      isInside = isThis;
+      length = 0;
+    }
+    ++length;
+  }
+  runs_.push_back(length);
+  if (4 * runs_.size() < bitBytes) {
+    runs_.shrink_to_fit();
+    return;
+  }
+  runs_ = {};
+  bits_.resize(bitBytes);
+  for (std::size_t v = 0; v < count; ++v)
     if (mask.voxels[v] != 0) bits_[v >> 3] = static_cast<std::uint8_t>(bits_[v >> 3] | 1u << (v & 7u));
 }
 
 imaging::Mask PackedMask::mask() const {
   imaging::Mask mask{geometry_, std::vector<std::uint8_t>(geometry_.voxelCount())};
+  if (!runs_.empty()) {
+    auto at = mask.voxels.begin();
+    for (std::size_t run = 0; run < runs_.size(); at += runs_[run++])
+      if (run % 2 == 1) std::fill_n(at, runs_[run], std::uint8_t{1});
+    return mask;
+  }
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
     mask.voxels[v] = static_cast<std::uint8_t>(bits_[v >> 3] >> (v & 7u) & 1u);
   return mask;

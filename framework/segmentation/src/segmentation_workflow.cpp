@@ -16,6 +16,13 @@ namespace c3de::segmentation {
 namespace {
 
 constexpr render::Colour kThresholdColour{1.0f, 0.70f, 0.15f, 1.0f};
+constexpr double kGrowShare = 0.05;  // initial tolerance, of the range of most values
+constexpr const char *kSeveralPicked = "several labels are ticked; painting and growing change one of them at a time";
+
+/// Linear intensity of a component of sRGB (IEC 61966-2-1).
+float linear(float component) {
+  return component <= 0.04045f ? component / 12.92f : std::pow((component + 0.055f) / 1.055f, 2.4f);
+}
 
 std::string modulusText(double pascal) {
   const bool isGiga = pascal >= 1e9, isMega = pascal >= 1e6;
@@ -67,11 +74,14 @@ void SegmentationWorkflow::setSources(MaskSources sources) {
       const imaging::ValueRange &range = sources.image->range;
       settings_.low = 0.5 * (range.low + range.high);
       settings_.high = range.max;
+      settings_.brush.values = {settings_.low, settings_.high};
+      settings_.growTolerance = kGrowShare * (range.high - range.low);
     }
   }
   const bool hasOtherLabels = sources.labels != before.labels;
   settings_.isFromLabel = sources.labels != nullptr && (hasOtherLabels || settings_.isFromLabel);
   followsUndo_ = false;
+  paintedNormal_.reset();
   mask_.setSources(std::move(sources));
   if (!hasOtherLabels) return;
   if (!counting_.isNull()) jobs_.cancel(std::exchange(counting_, {}));
@@ -204,6 +214,73 @@ void SegmentationWorkflow::applyStep(MaskStep::Kind kind) {
   step.kind = kind;
   step.radius_mm = settings_.radius_mm;
   mask_.applyStep(step);
+}
+
+void SegmentationWorkflow::paint(std::vector<Vec3> path, const Vec3 &normal) {
+  if (isSeveral()) {
+    clickProblem_ = kSeveralPicked;
+    return;
+  }
+  MaskStep step;
+  step.kind = MaskStep::Kind::paint;
+  step.stroke.path = std::move(path);
+  step.stroke.radius_mm = settings_.brush.radius_mm;
+  step.stroke.isErasing = settings_.brush.isErasing;
+  if (!settings_.brush.isBall) step.stroke.normal = normal;
+  if (settings_.brush.isLimited) step.stroke.values = settings_.brush.values;
+  paintedNormal_ = normal;
+  mask_.applyStep(step);
+}
+
+void SegmentationWorkflow::setGrowing(double tolerance, double distance_mm) {
+  settings_.growTolerance = tolerance;
+  settings_.growDistance_mm = distance_mm;
+}
+
+void SegmentationWorkflow::growAt(const Vec3 &world) {
+  if (isSeveral()) {
+    clickProblem_ = kSeveralPicked;
+    return;
+  }
+  MaskStep step;
+  step.kind = MaskStep::Kind::grow;
+  step.world = world;
+  step.tolerance = settings_.growTolerance;
+  step.radius_mm = settings_.growDistance_mm;
+  mask_.applyStep(step);
+}
+
+void SegmentationWorkflow::fillBetween() {
+  const std::shared_ptr<const imaging::Mask> &mask = mask_.mask();
+  if (!mask) return;
+  MaskStep step;
+  step.kind = MaskStep::Kind::fillBetween;
+  const std::array<std::size_t, 3> empty = imaging::emptySlicesBetween(*mask);
+  step.axis = static_cast<std::size_t>(std::max_element(empty.begin(), empty.end()) - empty.begin());
+  if (paintedNormal_)
+    if (const std::size_t axis = imaging::axisAlong(mask->geometry, *paintedNormal_); empty[axis] > 0) step.axis = axis;
+  mask_.applyStep(step);
+}
+
+bool SegmentationWorkflow::isMaskSavedAlone() const {
+  const auto &labels = mask_.sources().labels;
+  return labels && mask_.mask() && !imaging::sameGrid(labels->map.geometry, mask_.mask()->geometry);
+}
+
+std::function<Expected<imaging::LabelMap>()> SegmentationWorkflow::labelMapToSave() const {
+  const std::vector<std::uint16_t> picked = pickedLabels();
+  imaging::LabelMap::Label label;
+  if (picked.size() == 1) label.value = picked.front();
+  label.name = settings_.name.empty() ? std::string("organ") : settings_.name;
+  const render::Colour shown = colour();
+  for (std::size_t c = 0; c < 3; ++c) label.colour[c] = linear(shown[c]);
+  const std::shared_ptr<const scene::StoredLabels> labels = isMaskSavedAlone() ? nullptr : mask_.sources().labels;
+  if (isMaskSavedAlone()) label.value = 1;
+  return [label, labels, mask = mask_.mask()]() -> Expected<imaging::LabelMap> {
+    if (mask) return imaging::withLabel(labels ? &labels->map : nullptr, *mask, label);
+    if (labels) return labels->map;
+    return fail(ErrorCode::state, "nothing is picked or painted yet");
+  };
 }
 
 void SegmentationWorkflow::undo() {

@@ -6,6 +6,7 @@
 #include "c3de/imaging/masks.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/text_panel.h"
+#include "c3de/registry/tool_registry.h"
 #include "c3de/ui/edit_history.h"
 #include "c3de/ui/image_views.h"
 
@@ -122,7 +123,9 @@ TEST_CASE("A map of many labels has a filter, and several are ticked at once", "
   registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(f.sources.image);
-  const SegmentationPanel panel(panels, views, f.guide, f.scan);
+  registry::ToolRegistry tools;
+  MaskBrush brush(tools, views, f.guide);
+  const SegmentationPanel panel(panels, {views, f.guide, f.scan, brush, {}});
   registry::TextPanel text(nullptr);
   const auto draw = [&] {
     const std::string shown = text.draw(*panels.panels().front());
@@ -169,7 +172,9 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(f.sources.image);
-  const SegmentationPanel panel(panels, views, f.guide, f.scan);
+  registry::ToolRegistry tools;
+  MaskBrush brush(tools, views, f.guide);
+  const SegmentationPanel panel(panels, {views, f.guide, f.scan, brush, {}});
   registry::TextPanel text(nullptr);
   const auto draw = [&] {
     const std::string shown = text.draw(*panels.panels().front());
@@ -248,7 +253,9 @@ TEST_CASE("The panel asks for the body of the whole scan where labels lie over a
   registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(f.sources.image);
-  const SegmentationPanel panel(panels, views, f.guide, f.scan);
+  registry::ToolRegistry tools;
+  MaskBrush brush(tools, views, f.guide);
+  const SegmentationPanel panel(panels, {views, f.guide, f.scan, brush, {}});
   registry::TextPanel text(nullptr);
   const auto draw = [&] {
     (void)text.draw(*panels.panels().front());
@@ -263,4 +270,105 @@ TEST_CASE("The panel asks for the body of the whole scan where labels lie over a
   text.press("create_scan_body");
   draw();
   CHECK(f.scan.isShown());
+}
+
+namespace {
+
+/// Events of a slice, in world coordinates.
+struct BrushedImage {
+  Fixture f;
+  registry::ToolRegistry tools;
+  ImageViews views;
+  MaskBrush brush{tools, views, f.guide};
+
+  BrushedImage() {
+    views.setImage(f.sources.image);
+    brush.offer(true);
+    brush.toggle();
+  }
+  bool send(std::uint32_t type, const Vec3 &at, std::uint32_t where = C3DE_IN_AXIAL, std::uint32_t key = 0) {
+    c3de_event event{};
+    event.size = sizeof(event);
+    event.type = type;
+    event.button = type == C3DE_EVENT_PRESS || type == C3DE_EVENT_RELEASE ? C3DE_BUTTON_LEFT : 0;
+    event.key = key;
+    event.where = where;
+    const Vec3 normal{0, 0, 1};
+    for (std::size_t a = 0; a < 3; ++a) {
+      event.ray_origin_mm[a] = at[a];
+      event.view_direction[a] = event.ray_direction[a] = normal[a];
+    }
+    return tools.dispatch(event);
+  }
+  void key(char letter) {
+    CHECK(send(C3DE_EVENT_KEY, {50, 50, 50}, C3DE_IN_AXIAL, static_cast<std::uint32_t>(letter)));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A drag of the brush is one step, and erases, and is undone", "[brush]") {
+  BrushedImage b;
+  segmentation::BrushSettings settings;
+  settings.radius_mm = 11.0;
+  b.f.guide.setBrush(settings);
+  CHECK(b.send(C3DE_EVENT_PRESS, {50, 50, 50}));
+  CHECK(b.send(C3DE_EVENT_MOVE, {60, 50, 50}));
+  REQUIRE(b.brush.marker());
+  CHECK(b.brush.marker()->path.size() == 2);
+  CHECK(b.f.guide.mask().steps().empty());
+  CHECK(b.send(C3DE_EVENT_RELEASE, {60, 50, 50}));
+  b.f.settle();
+  REQUIRE(b.f.guide.mask().steps().size() == 1);
+  // A disc of 13 voxels of 5 mm, moved by two of them: rows of 3, 5, 7, 5, 3.
+  CHECK(b.f.voxels() == 23);
+  b.key('E');
+  CHECK(b.send(C3DE_EVENT_PRESS, {50, 50, 50}));
+  CHECK(b.send(C3DE_EVENT_RELEASE, {50, 50, 50}));
+  b.f.settle();
+  CHECK(b.f.voxels() == 10);
+  EditHistory history;
+  history.follow(nullptr, &b.f.guide);
+  CHECK(history.undoLabel() == "erased");
+  history.undo();
+  b.f.settle();
+  CHECK(b.f.voxels() == 23);
+  history.undo();
+  b.f.settle();
+  CHECK_FALSE(b.f.guide.mask().mask());
+  history.redo();
+  b.f.settle();
+  CHECK(b.f.voxels() == 23);
+}
+
+TEST_CASE("The brush changes with keys within its range, and leaves the 3D view alone", "[brush]") {
+  BrushedImage b;
+  const double radius = b.f.guide.settings().brush.radius_mm;
+  b.key(']');
+  CHECK(b.f.guide.settings().brush.radius_mm > radius);
+  for (int i = 0; i < 100; ++i) b.key(']');
+  CHECK(b.f.guide.settings().brush.radius_mm == MaskBrush::kLargest_mm);
+  for (int i = 0; i < 100; ++i) b.key('[');
+  CHECK(b.f.guide.settings().brush.radius_mm == MaskBrush::kSmallest_mm);
+  CHECK_FALSE(b.send(C3DE_EVENT_KEY, {}, C3DE_IN_AXIAL, 'J'));
+  CHECK_FALSE(b.send(C3DE_EVENT_PRESS, {50, 50, 50}, C3DE_IN_SPACE));
+  CHECK_FALSE(b.send(C3DE_EVENT_WHEEL, {50, 50, 50}));
+
+  // Where a slice moves under the brush, each has a stroke.
+  CHECK(b.send(C3DE_EVENT_PRESS, {50, 50, 50}));
+  CHECK(b.send(C3DE_EVENT_MOVE, {50, 50, 60}));
+  CHECK(b.send(C3DE_EVENT_RELEASE, {50, 50, 60}));
+  b.f.settle();
+  CHECK(b.f.guide.mask().steps().size() == 2);
+  CHECK(b.f.voxels() == 2);
+  // A drag that is cancelled has no effect, nor does the rest of it.
+  CHECK(b.send(C3DE_EVENT_PRESS, {20, 20, 20}));
+  b.tools.cancelActive();
+  CHECK_FALSE(b.send(C3DE_EVENT_MOVE, {30, 20, 20}));
+  CHECK_FALSE(b.send(C3DE_EVENT_RELEASE, {30, 20, 20}));
+  b.f.settle();
+  CHECK(b.f.voxels() == 2);
+  b.brush.offer(false);
+  CHECK(b.tools.tools().empty());
+  CHECK_FALSE(b.brush.marker());
 }

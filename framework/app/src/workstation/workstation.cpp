@@ -195,7 +195,8 @@ void Workstation::createControllers() {
     history_->captureBefore([this, scene] { bodyCreation_->createScanBody(scene); });
   };
   events.closeSimulation = [this] { closeSimulation(); };
-  images_.emplace(session, *renderer_, panels_, std::move(events));
+  events.askForLabelFile = [this] { window_->request(ui::Command::saveLabels); };
+  images_.emplace(session, *renderer_, panels_, tools_, std::move(events));
   tissueTable_.emplace(images_->views(), [this] { window_->wake(); });
   warp_.emplace(session, *images_, tissueTable_->tracker(), failed);
   bodyCreation_.emplace(
@@ -222,8 +223,8 @@ void Workstation::createControllers() {
 void Workstation::connectWindow() {
   window_->connect(
       {&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-       &images_->workflow(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_, &recent_->page(),
-       [this] { return listed(session_->meshFormats().extensions()); }, &sessions_->missingFiles()},
+       &images_->workflow(), &images_->brush(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_,
+       &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); }, &sessions_->missingFiles()},
       actions());
   tools_.setMarkedPoint([this] {
     const ui::ImageViews &views = images_->views();
@@ -245,6 +246,7 @@ ui::WindowActions Workstation::actions() {
                     [this](const std::string &title, const Error &error) { onFailed(title, error); });
   actions.open = [this](const ui::OpenRequest &request) { open(request); };
   actions.reload = [this] { loader_->reload(); };
+  actions.saveLabels = [this](const std::filesystem::path &file) { images_->saveLabels(file); };
   actions.closeImage = [this] { closeImage(); };
   actions.closeSimulation = [this] { closeSimulation(); };
   actions.screenshot = [this] { saveScreenshot(); };
@@ -340,8 +342,8 @@ std::string Workstation::unsaved() {
         " s, has changes that are not saved.");
   if (replay_->hasKept()) add("The simulation from before the timeline was shown is not saved.");
   if (const segmentation::SegmentationWorkflow &workflow = images_->workflow();
-      workflow.mask().mask() || !workflow.pickedLabels().empty())
-    add("No body has been created of what is picked in the image.");
+      !images_->isMaskSaved() && (workflow.mask().mask() || !workflow.pickedLabels().empty()))
+    add("What is picked in the image is not saved, and no body has been created of it.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
 }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "c3de/abi/log.h"
 #include "c3de/core/path_text.h"
+#include "c3de/imaging/writing.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/session/file_kind.h"
 
@@ -59,10 +61,11 @@ bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
 }  // namespace
 
 WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
-                                     Events events)
+                                     registry::ToolRegistry &tools, Events events)
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
       workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}),
+      brush_(tools, views_, workflow_),
       scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody),
       labels_({session, renderer, panels, views_, workflow_}, {[this] { updateScanBodySources(); }, events_.failed}),
       job_(session.jobs()), timeJob_(session.jobs()) {
@@ -187,7 +190,9 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
   session_.sceneGraph().touch();
   workflow_.setSources({image, nullptr});
   updateScanBodySources();
-  segmentationPanel_.emplace(panels_, views_, workflow_, scanBody_);
+  segmentationPanel_.emplace(
+      panels_, ui::SegmentationPanel::Parts{views_, workflow_, scanBody_, brush_, events_.askForLabelFile});
+  brush_.offer(true);
   panel_.emplace(panels_, views_, labels_.choices());
   if (!notice.empty()) reportNotices(panels_, "Opened " + image->name, {notice});
   if (isAnother) offerToCloseSimulation(image->name);
@@ -264,6 +269,7 @@ void WorkstationImages::markMissing() {
 
 void WorkstationImages::close() {
   timeJob_.cancel();
+  brush_.offer(false);
   segmentationPanel_.reset();
   workflow_.setSources({});
   labels_.close();
@@ -276,6 +282,28 @@ void WorkstationImages::close() {
   session_.sceneGraph().remove(std::exchange(node_, {}));
   panel_.reset();
   if (events_.closed) events_.closed();
+}
+
+void WorkstationImages::saveLabels(const std::filesystem::path &path) {
+  std::string notice;
+  if (workflow_.isMaskSavedAlone()) notice = " The open label map has another grid; its labels are not in the file.";
+  session_.jobs().submit(
+      kJobOwner, "Saving " + imageName(path),
+      [make = workflow_.labelMapToSave(), path](const ProgressFn &) -> Expected<void> {
+        const auto map = make();
+        if (!map) return tl::unexpected(map.error());
+        return imaging::writeLabelMap(path, *map);
+      },
+      [this, path, notice, edits = workflow_.mask().edits()](const Expected<void> &written) {
+        if (written) savedMaskEdits_ = edits;
+        if (!written) return events_.failed("The label map could not be saved", written.error());
+        const auto open = [this, path] {
+          session_.mainQueue().post([this, path] {
+            if (hasImage()) openLabels(path);
+          });
+        };
+        panels_.notify(C3DE_LOG_INFO, "Label map saved", pathText(path) + notice, {{"Show it over the image", open}});
+      });
 }
 
 void WorkstationImages::followNode() {

@@ -39,13 +39,16 @@ class WorkstationImages {
     std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
     std::function<void(const std::string &scene)> createScanBody;  ///< ends with scanBody().finished()
     std::function<void()> closeSimulation;
+    std::function<void()> askForLabelFile;  ///< ends with saveLabels()
   };
-  WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
+  WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
+                    registry::ToolRegistry &tools, Events events);
   ~WorkstationImages();
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
   [[nodiscard]] segmentation::SegmentationWorkflow &workflow() { return workflow_; }
   [[nodiscard]] segmentation::ScanBody &scanBody() { return scanBody_; }
+  [[nodiscard]] const ui::MaskBrush &brush() const { return brush_; }
   /// How to open a segmentation that is opened as an image.
   enum class Segmentation {
     labels,  ///< overlaid on the open image; if there is none, on its own label numbers
@@ -63,6 +66,10 @@ class WorkstationImages {
   [[nodiscard]] std::vector<std::filesystem::path> labelFiles() const { return labels_.files(); }
   /// Overlays a label map on the open image.
   void openLabels(const std::filesystem::path &path) { labels_.open(path); }
+  /// Writes the open label map with what is picked as one of its labels, in a background job.
+  void saveLabels(const std::filesystem::path &path);
+  /// What is picked or painted has not changed since it was saved.
+  [[nodiscard]] bool isMaskSaved() const { return savedMaskEdits_ == workflow_.mask().edits(); }
   /// The outlines of the bodies replace their labels, and none of them is selected any more.
   void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
   /// The bodies have been removed: their labels are shown again.
@@ -99,6 +106,7 @@ class WorkstationImages {
   DisplacementPresenter displacement_;
   std::optional<ui::ImagePanel> panel_;
   segmentation::SegmentationWorkflow workflow_;
+  ui::MaskBrush brush_;
   segmentation::ScanBody scanBody_;
   WorkstationLabels labels_;
   std::optional<ui::SegmentationPanel> segmentationPanel_;
@@ -109,6 +117,7 @@ class WorkstationImages {
   Handle node_, storedImage_;
   std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< the displayed preview
   std::vector<Coverage> coverage_;
+  std::optional<std::uint64_t> savedMaskEdits_;
 };
 
 }  // namespace c3de::app

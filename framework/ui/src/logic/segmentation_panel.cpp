@@ -16,7 +16,7 @@ constexpr double kFewestPoints = 50.0, kMaxPoints = 20000.0, kShortestEdge_mm = 
 constexpr double kStiffestSurroundings = 3e5;  // Pa/m
 constexpr const char *kRigid =
     "Stays fixed at its position in the scan, at no cost: for bone, which would otherwise limit every step";
-constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
+constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0, kFarthestGrowth_mm = 200.0;
 
 void swatch(const c3de_ui_v1 &ui, const render::Colour &colour) {
   ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
@@ -25,9 +25,9 @@ void swatch(const c3de_ui_v1 &ui, const render::Colour &colour) {
 
 }  // namespace
 
-SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views,
-                                     segmentation::SegmentationWorkflow &workflow, segmentation::ScanBody &scanBody)
-    : panels_(panels), views_(views), workflow_(workflow), scanBody_(scanBody) {
+SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, Parts parts)
+    : panels_(panels), views_(parts.views), workflow_(parts.workflow), scanBody_(parts.scanBody), brush_(parts.brush),
+      saveLabels_(std::move(parts.saveLabels)) {
   registry::Panel panel;
   panel.owner = "c3de";
   panel.id = "segmentation";
@@ -52,11 +52,18 @@ void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
   const std::size_t several = workflow_.isSeveral() ? workflow_.pickedLabels().size() : 0;
-  if (several > 0)
+  if (several > 0) {
     drawSeveral(ui);
-  else
+  } else {
+    drawMask(ui);
+    drawPainting(ui);
+    drawGrowing(ui);
     drawSteps(ui);
+  }
   drawUndo(ui);
+  const bool canSave = workflow_.mask().mask() || workflow_.mask().sources().labels;
+  if (button(ui, "save_labels", commandInfo(Command::saveLabels).label, canSave) && saveLabels_) saveLabels_();
+  tooltip(ui, commandInfo(Command::saveLabels).doc);
   // One step at a time: the others would only fill the panel.
   if (several == 0 && !workflow_.mask().mask()) return text(ui, "Next: material, sampling and simulation.");
   heading(ui, several > 0 ? "2  Materials" : "2  Material");
@@ -142,8 +149,7 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v1 &ui) {
   if (!isShown && button(ui, "threshold", "Show what lies between")) workflow_.showThreshold();
 }
 
-void SegmentationPanel::drawSteps(const c3de_ui_v1 &ui) {
-  using Kind = segmentation::MaskStep::Kind;
+void SegmentationPanel::drawMask(const c3de_ui_v1 &ui) {
   const segmentation::MaskEditor &mask = workflow_.mask();
   const bool hasMask = mask.mask() != nullptr;
   std::string volume =
@@ -158,12 +164,57 @@ void SegmentationPanel::drawSteps(const c3de_ui_v1 &ui) {
     views_.setOptions(options);
   if (mask.preview() && mask.preview()->stride > 1)
     row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
-  const std::vector<segmentation::MaskStep> steps = mask.steps();
   std::string done;
-  for (const segmentation::MaskStep &step : steps)
-    done = step.ignoresPreviousMask() ? step.text() : done + ", " + step.text();
+  for (const segmentation::MaskStep &step : mask.steps())
+    done = step.ignoresPreviousMask() ? step.text() : done + (done.empty() ? "" : ", ") + step.text();
   if (!done.empty()) row(ui, "Steps", done);
+}
 
+void SegmentationPanel::drawPainting(const c3de_ui_v1 &ui) {
+  segmentation::BrushSettings brush = workflow_.settings().brush;
+  if (button(ui, "brush", brush_.isActive() ? "Brush: off" : "Brush")) brush_.toggle();
+  tooltip(ui, "Paint the mask in the slices with the left mouse button (K). Ctrl+Z undoes a stroke");
+  if (!brush_.isActive()) return;
+  std::uint32_t isErasing = brush.isErasing ? 1 : 0, isBall = brush.isBall ? 1 : 0;
+  choice(ui, "brush_mode", "Brush", isErasing, {"paints", "erases"});
+  tooltip(ui, "E switches between them");
+  choice(ui, "brush_shape", "Shape", isBall, {"disc in the slice", "ball"});
+  slider(ui, "brush_radius", "Brush radius", "mm", brush.radius_mm, MaskBrush::kSmallest_mm, MaskBrush::kLargest_mm,
+         "[ and ] change it");
+  checkbox(ui, "brush_limited", "Only values between", brush.isLimited, "Other voxels stay as they are");
+  if (brush.isLimited) {
+    const scene::StoredImage &image = *workflow_.mask().sources().image;
+    const double least = std::min(image.range.min, brush.values.low),
+                 most = std::max(image.range.max, brush.values.high);
+    slider(ui, "brush_low", "From", image.volume.unit, brush.values.low, least, most, "");
+    slider(ui, "brush_high", "Up to", image.volume.unit, brush.values.high, least, most, "");
+    brush.values.high = std::max(brush.values.low, brush.values.high);
+  }
+  brush.isErasing = isErasing != 0;
+  brush.isBall = isBall != 0;
+  workflow_.setBrush(brush);
+}
+
+void SegmentationPanel::drawGrowing(const c3de_ui_v1 &ui) {
+  clickButton(ui, "grow", "Grow from a click",
+              "The next click in a slice adds the connected voxels with similar values. Esc: cancel",
+              &segmentation::SegmentationWorkflow::growAt);
+  const scene::StoredImage &image = *workflow_.mask().sources().image;
+  double tolerance = workflow_.settings().growTolerance, distance = workflow_.settings().growDistance_mm;
+  bool isChanged =
+      slider(ui, "grow_tolerance", "Tolerance", image.volume.unit, tolerance, 0.0,
+             std::max(image.range.high - image.range.low, tolerance), "Largest difference from the value at the click");
+  isChanged = slider(ui, "grow_distance", "Farthest", "mm", distance, 0.0, kFarthestGrowth_mm,
+                     "Distance from the click; 0: unlimited") ||
+              isChanged;
+  if (isChanged) workflow_.setGrowing(tolerance, distance);
+}
+
+void SegmentationPanel::drawSteps(const c3de_ui_v1 &ui) {
+  using Kind = segmentation::MaskStep::Kind;
+  if (!workflow_.mask().mask()) return;
+  if (button(ui, "fill_between", "Fill between slices")) workflow_.fillBetween();
+  tooltip(ui, "Interpolates the mask in the empty slices between painted ones");
   clickButton(ui, "component", "Keep only the part I click",
               "The next click in a slice keeps the part connected to that voxel. Esc: cancel",
               &segmentation::SegmentationWorkflow::keepComponentAt);

@@ -34,7 +34,9 @@ struct SliceCanvas {
 /// The region of a scan's body while it is being drawn: its outline and handles, with everything outside darkened. The
 /// mouse cursor indicates the effect of a drag.
 void drawRegion(const SliceCanvas &canvas);
-/// Its edges in the 3D view, in front of everything.
+/// The brush that paints the mask: its outline under the mouse, and the drag in progress.
+void drawBrush(const SliceCanvas &canvas);
+/// The edges of the region in the 3D view, in front of everything.
 void drawRegionInSpace(FrameContext &frame);
 
 }  // namespace c3de::ui

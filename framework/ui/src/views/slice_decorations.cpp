@@ -309,6 +309,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     const SliceCanvas canvas{frame, *images, pane, r, images->view(pane), list};
     drawOutlines(canvas, renderer);
     drawRegion(canvas);
+    drawBrush(canvas);
     drawCrossHair(canvas);
     drawLetters(canvas);
     drawScaleBar(canvas);

@@ -72,6 +72,7 @@ struct WorkstationWindow::Impl {
   int framesToSettle = kFramesToSettle;
   bool isMoving = false;     ///< something changes without input: playing, jobs
   bool showsNewData = true;  ///< the frame shows new data; otherwise the existing data and the effect of the input
+  std::vector<Command> requested;  ///< by the program
   double frameBegan_s = 0.0;
   double newDataFrame_s = 0.0;  ///< time of the last frame that showed new data
 
@@ -182,6 +183,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
 }
 
 void WorkstationWindow::Impl::executeCommands(FrameContext &context) {
+  for (const Command command : std::exchange(requested, {})) context.request(command);
   for (const Command command : std::exchange(context.commands, {})) ui::executeCommand(context, command);
 }
 
@@ -414,6 +416,11 @@ std::optional<render::Image> WorkstationWindow::viewPicture() const {
 void WorkstationWindow::requestFit() {
   // The first bounds may be those of only a part of the loaded scene.
   impl_->state.framesToFit = 3;
+  impl_->window->wake();
+}
+
+void WorkstationWindow::request(Command command) {
+  impl_->requested.push_back(command);
   impl_->window->wake();
 }
 

@@ -8,6 +8,7 @@
 
 #include "c3de/core/expected.h"
 #include "c3de/core/progress.h"
+#include "c3de/imaging/painting.h"
 #include "c3de/scene/image_store.h"
 
 namespace c3de::segmentation {
@@ -20,13 +21,16 @@ struct MaskSources {
 
 /// One user action while picking an organ.
 struct MaskStep {
-  enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open };
+  enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open, paint, grow, fillBetween };
   Kind kind = Kind::threshold;
   std::uint16_t label = 0;              ///< label: its value
   std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them
   double low = 0.0, high = 0.0;         ///< threshold: values of the image
-  Vec3 world{};                         ///< component: a point in it, LPS mm
-  double radius_mm = 0.0;               ///< close, open
+  Vec3 world{};                         ///< component, grow: a point in it, LPS mm
+  double radius_mm = 0.0;               ///< close, open; grow: farthest distance from `world`, 0: unlimited
+  double tolerance = 0.0;               ///< grow: of image values
+  std::size_t axis = 0;                 ///< fillBetween: of the grid
+  imaging::BrushStroke stroke{};        ///< paint
   bool isRest = false;                  ///< what remains selected after bodies were created
 
   /// Whether the step ignores the previous mask.
@@ -53,15 +57,17 @@ struct MaskPreview {
 /// Without voxels for an empty mask.
 [[nodiscard]] MaskPreview previewOf(const imaging::Mask &mask, std::size_t mostVoxels);
 
-/// One bit per voxel, for storage in the history.
+/// A mask for storage in the history: run lengths, or one bit per voxel where that is smaller.
 class PackedMask {
  public:
   explicit PackedMask(const imaging::Mask &mask);
   [[nodiscard]] imaging::Mask mask() const;
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + 4 * runs_.capacity() + bits_.capacity(); }
 
  private:
   imaging::VolumeGeometry geometry_;
-  std::vector<std::uint8_t> bits_;
+  std::vector<std::uint32_t> runs_;  ///< lengths, of voxels outside and inside by turns
+  std::vector<std::uint8_t> bits_;   ///< if there are no runs
 };
 
 }  // namespace c3de::segmentation

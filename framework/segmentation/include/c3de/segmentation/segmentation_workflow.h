@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "c3de/imaging/painting.h"
 #include "c3de/render/renderer.h"
 #include "c3de/scene/materials.h"
 #include "c3de/segmentation/body_request.h"
@@ -23,11 +24,23 @@ struct SamplingChoice {
   double edge_mm = 4.0;  ///< of the surface, if not automatic
 };
 
+/// How masks are painted.
+struct BrushSettings {
+  double radius_mm = 5.0;
+  bool isErasing = false;
+  bool isBall = false;     ///< otherwise a disc in the slice that is painted, one voxel thick
+  bool isLimited = false;  ///< only voxels with image values within `values`
+  imaging::ValueLimits values;
+};
+
 /// The user's choices besides the mask.
 struct SegmentationSettings {
   bool isFromLabel = false;      ///< labels are picked, otherwise voxels by a threshold
   double low = 0.0, high = 0.0;  ///< threshold, image values
   double radius_mm = 3.0;        ///< of closing and opening
+  BrushSettings brush;
+  double growTolerance = 0.0;    ///< of image values
+  double growDistance_mm = 0.0;  ///< from the click; 0: unlimited
   std::string name = "organ";
   std::string material;  ///< name of a preset; empty: none matches, to be chosen
   SamplingChoice sampling;
@@ -86,6 +99,21 @@ class SegmentationWorkflow {
   void showThreshold();
   void keepComponentAt(const Vec3 &world);
   void applyStep(MaskStep::Kind kind);  ///< largest, fillHoles, close, open
+  void setBrush(const BrushSettings &brush) { settings_.brush = brush; }
+  /// A drag of the brush, with the present settings. Without a mask it begins one.
+  /// @param normal  of the slice that is painted; not used by balls
+  void paint(std::vector<Vec3> path, const Vec3 &normal);
+  void setGrowing(double tolerance, double distance_mm);
+  /// Adds the connected voxels around a point whose values are similar.
+  void growAt(const Vec3 &world);
+  /// Fills empty slices between painted ones: along the direction that was painted last, otherwise along the axis of the
+  /// grid with the most of them.
+  void fillBetween();
+  /// The label map to be saved: the open one with the mask as a label of it, or the mask alone. For a background job,
+  /// which it may outlive. Errors: nothing is picked.
+  [[nodiscard]] std::function<Expected<imaging::LabelMap>()> labelMapToSave() const;
+  /// The open label map has another grid than the mask, which is therefore saved alone.
+  [[nodiscard]] bool isMaskSavedAlone() const;
   void setRadius(double radius_mm) { settings_.radius_mm = radius_mm; }
   void undo();
   void redo();
@@ -146,6 +174,7 @@ class SegmentationWorkflow {
   std::map<std::uint16_t, bool> labelRigid_;
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
+  std::optional<Vec3> paintedNormal_;  ///< of the last slice that was painted
   std::shared_ptr<bool> alive_;
 };
 

@@ -23,6 +23,7 @@ enum class Command {
   saveSession,
   saveSessionAs,
   saveSessionWithFiles,
+  saveLabels,
   exportSurface,
   exportFrame,
   exportImage,

@@ -161,6 +161,8 @@ class ImageViews {
   /// Whether a key has a function in a slice: it is then sent to the slice under the mouse.
   [[nodiscard]] static bool isSliceKey(std::uint32_t key, std::uint32_t modifiers);
 
+  /// The point of the image as it was read that is displayed at a point of the world.
+  [[nodiscard]] Vec3 referenceAt(const Vec3 &world) const;
   [[nodiscard]] Readout readout(const Vec3 &world) const;
   [[nodiscard]] render::ImageDisplay look() const;
   /// Empty if the image is hidden in space.
@@ -174,7 +176,6 @@ class ImageViews {
   void applyFrames();
   /// The displacement shown by the views; null: the image is shown as it was read.
   [[nodiscard]] const imaging::DisplacementGrid *warp() const { return isAtRest_ ? nullptr : displacement_.get(); }
-  [[nodiscard]] Vec3 referenceAt(const Vec3 &world) const;
   [[nodiscard]] Vec3 nearestInImage(const Vec3 &world) const;
   bool press(Pane slice, const ViewInput &input);
   bool move(Pane slice, const ViewInput &input);

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "c3de/registry/panel_registry.h"
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/segmentation/segmentation_workflow.h"
 #include "c3de/ui/image_views.h"
+#include "c3de/ui/mask_brush.h"
 
 namespace c3de::ui {
 
@@ -12,9 +16,14 @@ namespace c3de::ui {
 /// this object exists. Main thread.
 class SegmentationPanel {
  public:
-  /// @param scanBody  shown by a button
-  SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &workflow,
-                    segmentation::ScanBody &scanBody);
+  struct Parts {
+    ImageViews &views;
+    segmentation::SegmentationWorkflow &workflow;
+    segmentation::ScanBody &scanBody;  ///< shown by a button
+    MaskBrush &brush;                  ///< activated by a button
+    std::function<void()> saveLabels;  ///< asks for a file
+  };
+  SegmentationPanel(registry::PanelRegistry &panels, Parts parts);
   ~SegmentationPanel();
   SegmentationPanel(const SegmentationPanel &) = delete;
   SegmentationPanel &operator=(const SegmentationPanel &) = delete;
@@ -27,6 +36,9 @@ class SegmentationPanel {
   void drawSource(const c3de_ui_v1 &ui);
   void drawLabels(const c3de_ui_v1 &ui);
   void drawThreshold(const c3de_ui_v1 &ui);
+  void drawMask(const c3de_ui_v1 &ui);
+  void drawPainting(const c3de_ui_v1 &ui);
+  void drawGrowing(const c3de_ui_v1 &ui);
   void drawSteps(const c3de_ui_v1 &ui);
   void drawUndo(const c3de_ui_v1 &ui);
   void drawSeveral(const c3de_ui_v1 &ui);
@@ -39,6 +51,8 @@ class SegmentationPanel {
   ImageViews &views_;
   segmentation::SegmentationWorkflow &workflow_;
   segmentation::ScanBody &scanBody_;
+  MaskBrush &brush_;
+  std::function<void()> saveLabels_;
   Handle panel_;
   std::string filter_;             ///< of the listed labels
   const char *awaited_ = nullptr;  ///< id of the last pressed button

@@ -29,6 +29,7 @@ class SceneGraph;
 namespace c3de::ui {
 
 class ImageViews;
+class MaskBrush;
 struct MissingFiles;
 struct StartPage;
 
@@ -42,6 +43,7 @@ struct WindowServices {
   ImageViews *images = nullptr;                            ///< while it has an image, slices are shown next to the 3D
                                                            ///< view
   segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are the last edits
+  const MaskBrush *brush = nullptr;                        ///< drawn in the slices while it is active
   segmentation::ScanBody *scanBody = nullptr;              ///< its dialog is drawn while it is shown
   TissueTable *tissues = nullptr;                          ///< a section of the side panel while it has rows
   registry::EditList *edits = nullptr;                     ///< of plugins; undone while they are the last edits

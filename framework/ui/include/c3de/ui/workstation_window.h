@@ -106,6 +106,7 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
+  std::function<void(const std::filesystem::path &)> saveLabels;                  ///< with the mask as a label
   /// Image and labels in the present state of the tissue; its displacement
   std::function<void(const std::filesystem::path &)> exportImage, exportLabels, exportDisplacement;
   std::function<void(const std::filesystem::path &)> exportTissues;  ///< motion of the labels
@@ -201,6 +202,8 @@ class WorkstationWindow {
   [[nodiscard]] std::optional<render::Image> viewPicture() const;
   /// Fits everything visible into the view as soon as the scene has bounds.
   void requestFit();
+  /// Executes a command of the menus in the next frame.
+  void request(Command command);
   /// Same, then looks as this camera does: focus, yaw, pitch and distance.
   void requestPose(const render::Camera &pose);
   /// Writes the automation state now (also before the program ends).
