@@ -68,7 +68,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
       brush_(tools, views_, workflow_),
       scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody),
       labels_({session, renderer, panels, views_, workflow_}, {[this] { updateScanBodySources(); }, events_.failed}),
-      job_(session.jobs()), timeJob_(session.jobs()) {
+      maskSurface_(session, renderer), job_(session.jobs()), timeJob_(session.jobs()) {
   if (render::ImageRenderer *images = renderer_.images()) images->setOverlayColours(ui::overlayColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
@@ -270,6 +270,7 @@ void WorkstationImages::markMissing() {
 void WorkstationImages::close() {
   timeJob_.cancel();
   brush_.offer(false);
+  maskSurface_.hide();
   segmentationPanel_.reset();
   workflow_.setSources({});
   labels_.close();
@@ -307,6 +308,11 @@ void WorkstationImages::saveLabels(const std::filesystem::path &path) {
 }
 
 void WorkstationImages::followNode() {
+  if (views_.image() && views_.options().showsPreviewSurface)
+    maskSurface_.show(workflow_.mask().preview(), workflow_.colour());
+  else
+    maskSurface_.hide();
+  maskSurface_.followTree();
   if (views_.image()) views_.setVisibleInSpace(session_.sceneGraph().isVisible(node_));
   // "Fit view" includes what is drawn in space; an image shown only in the slices is excluded.
   if (scene::Node *node = session_.sceneGraph().find(node_))

@@ -18,6 +18,7 @@
 #include "c3de/ui/segmentation_panel.h"
 #include "workstation/displacement_presenter.h"
 #include "workstation/latest_job.h"
+#include "workstation/mask_surface.h"
 #include "workstation/messages.h"
 #include "workstation/series_choice.h"
 #include "workstation/workstation_labels.h"
@@ -113,6 +114,7 @@ class WorkstationImages {
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the open image
   std::string series_;
+  MaskSurface maskSurface_;
   LatestJob job_, timeJob_;
   Handle node_, storedImage_;
   std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< the displayed preview

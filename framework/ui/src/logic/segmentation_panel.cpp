@@ -162,6 +162,9 @@ void SegmentationPanel::drawMask(const c3de_ui_v1 &ui) {
   ImageOptions options = views_.options();
   if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map"))
     views_.setOptions(options);
+  if (checkbox(ui, "surface", "Show its surface in 3D", options.showsPreviewSurface,
+               "Coarse, and as the mask was read"))
+    views_.setOptions(options);
   if (mask.preview() && mask.preview()->stride > 1)
     row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
   std::string done;

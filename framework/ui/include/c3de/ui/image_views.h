@@ -49,10 +49,11 @@ struct ImageOptions {
   Convention convention = Convention::radiological;
   bool isAlignedWithImage = true;  ///< views along the image's axes; otherwise along the patient's
   bool showsCrossHair = true;
-  bool isWindowLevelMode = false;  ///< a left drag in a slice changes window and level; otherwise it moves the
-                                   ///< cross-hair
-  bool showsOutlines = true;       ///< surfaces of the 3D view, intersected with the slices
-  bool showsPreview = true;        ///< the present selection, instead of the labels
+  bool isWindowLevelMode = false;   ///< a left drag in a slice changes window and level; otherwise it moves the
+                                    ///< cross-hair
+  bool showsOutlines = true;        ///< surfaces of the 3D view, intersected with the slices
+  bool showsPreview = true;         ///< the present selection, instead of the labels
+  bool showsPreviewSurface = true;  ///< its surface in the 3D view
 };
 
 /// Renderer handles of what is shown; set by the owner of the renderer.
