@@ -338,7 +338,7 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   window.waitForValue("segmentation/brush_radius", "10 mm");
   window.drag(axialPixel(window, {-45, 0, 0}), axialPixel(window, {-15, 0, 0}), 6);
   const double first = waitForVoxels("a stroke is painted", 0.9 * kArea, 1.1 * kArea);
-  C3DE_WAIT(window, "its surface is in the tree", hasNode(s, "picked"));
+  C3DE_WAIT(window, "its surface is in the tree", hasNode(s, "mask"));
   const int slice = std::stoi(window.value("image/axial.slice"));
   window.moveTo(axialPixel(window, {-30, 0, 0}));
   for (int i = 0; i < 5; ++i) window.wheel(1);
@@ -351,7 +351,7 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   window.screenshotAtRest("filled");
   CHECK(window.shareOfColour("filled", "r > 1.6*b && r > 0.25") > 0.002);
   window.click("segmentation/surface");
-  C3DE_WAIT(window, "its surface is hidden", !hasNode(s, "picked"));
+  C3DE_WAIT(window, "its surface is hidden", !hasNode(s, "mask"));
 
   window.key("e");
   C3DE_WAIT(window, "it erases", textOf(s, "image/brush") == "erase 10.00 mm");

@@ -42,6 +42,16 @@ Mat4 affineInverse(const Mat4 &affine) {
   return m;
 }
 
+std::optional<std::array<std::size_t, 3>> voxelAt(const VolumeGeometry &grid, const Vec3 &index) {
+  std::array<std::size_t, 3> voxel{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double rounded = std::floor(index[a] + 0.5);
+    if (!(rounded >= 0.0) || !(rounded < static_cast<double>(grid.size[a]))) return {};
+    voxel[a] = static_cast<std::size_t>(rounded);
+  }
+  return voxel;
+}
+
 bool sameGrid(const VolumeGeometry &a, const VolumeGeometry &b, double tolerance) {
   if (a.size != b.size) return false;
   for (unsigned corner = 0; corner < 8; ++corner) {

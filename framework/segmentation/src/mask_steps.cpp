@@ -16,19 +16,9 @@ namespace {
 
 using Index = std::array<std::size_t, 3>;
 
-std::optional<Index> indexAt(const imaging::VolumeGeometry &grid, const Vec3 &world) {
-  const Vec3 at = transformPoint(imaging::affineInverse(grid.indexToWorld), world);
-  Index index{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double rounded = std::floor(at[a] + 0.5);
-    if (!(rounded >= 0.0) || !(rounded < static_cast<double>(grid.size[a]))) return {};
-    index[a] = static_cast<std::size_t>(rounded);
-  }
-  return index;
-}
-
 Expected<imaging::Mask> componentAt(const imaging::Mask &mask, const Vec3 &world, const ProgressFn &progress) {
-  const auto index = indexAt(mask.geometry, world);
+  const auto index =
+      imaging::voxelAt(mask.geometry, transformPoint(imaging::affineInverse(mask.geometry.indexToWorld), world));
   const auto &n = mask.geometry.size;
   const bool isInside = index && mask.voxels[(*index)[0] + n[0] * ((*index)[1] + n[1] * (*index)[2])] != 0;
   if (!isInside)
@@ -55,6 +45,16 @@ Expected<imaging::Mask> painted(const MaskStep &step, const MaskSources &sources
   const auto done = imaging::paint(*mask, step.stroke, sources.image ? &sources.image->volume : nullptr);
   if (!done) return tl::unexpected(done.error());
   return mask;
+}
+
+/// Along the painted direction if there is an empty slice along it, otherwise along the axis with the most of them.
+Expected<imaging::Mask> filledBetween(const MaskStep &step, const imaging::Mask &before, const ProgressFn &progress) {
+  const std::array<std::size_t, 3> empty = imaging::emptySlicesBetween(before);
+  auto axis = static_cast<std::size_t>(std::max_element(empty.begin(), empty.end()) - empty.begin());
+  if (step.stroke.normal)
+    if (const std::size_t painted = imaging::axisAlong(before.geometry, *step.stroke.normal); empty[painted] > 0)
+      axis = painted;
+  return imaging::filledBetweenSlices(before, axis, progress);
 }
 
 Expected<imaging::Mask> grownAt(const MaskStep &step, const MaskSources &sources, const imaging::Mask *before,
@@ -111,7 +111,7 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
     case Kind::largest: return imaging::largestComponent(*before, progress);
     case Kind::fillHoles: return imaging::fillHoles(*before, progress);
     case Kind::close: return imaging::closed(*before, step.radius_mm, progress);
-    case Kind::fillBetween: return imaging::filledBetweenSlices(*before, step.axis, progress);
+    case Kind::fillBetween: return filledBetween(step, *before, progress);
     default: return imaging::opened(*before, step.radius_mm, progress);
   }
 }
@@ -173,7 +173,7 @@ PackedMask::PackedMask(const imaging::Mask &mask) : geometry_(mask.geometry) {
     runs_.shrink_to_fit();
     return;
   }
-  runs_ = {};
+  runs_ = std::vector<std::uint32_t>();
   bits_.resize(bitBytes);
   for (std::size_t v = 0; v < count; ++v)
     if (mask.voxels[v] != 0) bits_[v >> 3] = static_cast<std::uint8_t>(bits_[v >> 3] | 1u << (v & 7u));

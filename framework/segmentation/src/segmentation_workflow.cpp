@@ -251,14 +251,9 @@ void SegmentationWorkflow::growAt(const Vec3 &world) {
 }
 
 void SegmentationWorkflow::fillBetween() {
-  const std::shared_ptr<const imaging::Mask> &mask = mask_.mask();
-  if (!mask) return;
   MaskStep step;
   step.kind = MaskStep::Kind::fillBetween;
-  const std::array<std::size_t, 3> empty = imaging::emptySlicesBetween(*mask);
-  step.axis = static_cast<std::size_t>(std::max_element(empty.begin(), empty.end()) - empty.begin());
-  if (paintedNormal_)
-    if (const std::size_t axis = imaging::axisAlong(mask->geometry, *paintedNormal_); empty[axis] > 0) step.axis = axis;
+  step.stroke.normal = paintedNormal_;
   mask_.applyStep(step);
 }
 

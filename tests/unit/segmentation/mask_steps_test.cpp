@@ -102,3 +102,18 @@ TEST_CASE("A packed mask is the mask again", "[mask_steps]") {
   CHECK(again.voxels == mask.voxels);
   CHECK(again.geometry.size == mask.geometry.size);
 }
+
+TEST_CASE("Masks in the history are those that were stored, and small where they are compact", "[mask_steps]") {
+  imaging::Mask mask = thresholded(twoBoxes(), 400);
+  for (const bool isNoise : {false, true}) {
+    if (isNoise)
+      for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = static_cast<std::uint8_t>(v * 7 % 3 == 0);
+    const PackedMask packed(mask);
+    CHECK(packed.mask().voxels == mask.voxels);
+    CHECK(packed.bytes() < sizeof(PackedMask) + mask.voxels.size() / 8 + 1);
+  }
+  imaging::Mask large{{{100, 100, 100}, kIdentity4}, std::vector<std::uint8_t>(1000000)};
+  std::fill(large.voxels.begin() + 400000, large.voxels.begin() + 600000, std::uint8_t{1});
+  CHECK(PackedMask(large).bytes() < 1000);
+  CHECK(PackedMask(large).mask().voxels == large.voxels);
+}

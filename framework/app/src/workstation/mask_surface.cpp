@@ -2,7 +2,6 @@
 #include "workstation/mask_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -55,7 +54,7 @@ void MaskSurface::replace(const geometry::TriangleMesh &surface, const render::C
   material.colour = {colour[0], colour[1], colour[2], 1.0f};
   material.isInside = true;
   renderer_.destroy(std::exchange(mesh_, renderer_.createMesh(positions, surface.triangles, material)));
-  if (session_.sceneGraph().find(node_) == nullptr) node_ = session_.sceneGraph().add({}, "picked");
+  if (session_.sceneGraph().find(node_) == nullptr) node_ = session_.sceneGraph().add({}, "mask");
   followTree();
 }
 

@@ -28,7 +28,6 @@ class MaskSurface {
   void hide();
   /// Called before a frame: applies the visibility of the node in the tree.
   void followTree();
-  [[nodiscard]] bool isShown() const { return !mesh_.isNull(); }
 
  private:
   void replace(const geometry::TriangleMesh &surface, const render::Colour &colour);

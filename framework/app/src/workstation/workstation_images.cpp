@@ -295,9 +295,11 @@ void WorkstationImages::saveLabels(const std::filesystem::path &path) {
         if (!map) return tl::unexpected(map.error());
         return imaging::writeLabelMap(path, *map);
       },
-      [this, path, notice, edits = workflow_.mask().edits()](const Expected<void> &written) {
-        if (written) savedMaskEdits_ = edits;
+      [this, path, notice, edits = workflow_.mask().edits(),
+       mask = std::weak_ptr(workflow_.mask().mask())](const Expected<void> &written) {
         if (!written) return events_.failed("The label map could not be saved", written.error());
+        savedMaskEdits_ = edits;
+        savedMask_ = mask;
         const auto open = [this, path] {
           session_.mainQueue().post([this, path] {
             if (hasImage()) openLabels(path);

@@ -70,7 +70,9 @@ class WorkstationImages {
   /// Writes the open label map with what is picked as one of its labels, in a background job.
   void saveLabels(const std::filesystem::path &path);
   /// What is picked or painted has not changed since it was saved.
-  [[nodiscard]] bool isMaskSaved() const { return savedMaskEdits_ == workflow_.mask().edits(); }
+  [[nodiscard]] bool isMaskSaved() const {
+    return savedMaskEdits_ == workflow_.mask().edits() && savedMask_.lock() == workflow_.mask().mask();
+  }
   /// The outlines of the bodies replace their labels, and none of them is selected any more.
   void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
   /// The bodies have been removed: their labels are shown again.
@@ -120,6 +122,7 @@ class WorkstationImages {
   std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< the displayed preview
   std::vector<Coverage> coverage_;
   std::optional<std::uint64_t> savedMaskEdits_;
+  std::weak_ptr<const imaging::Mask> savedMask_;  ///< undo and redo replace the mask without an edit
 };
 
 }  // namespace c3de::app

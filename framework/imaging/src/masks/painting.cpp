@@ -18,17 +18,6 @@ bool isFinite(const Vec3 &p) { return std::isfinite(p[0]) && std::isfinite(p[1])
 
 Vec3 columnOf(const Mat4 &m, std::size_t c) { return {m[4 * c], m[4 * c + 1], m[4 * c + 2]}; }
 
-/// The voxel that contains a point given by its index coordinates.
-std::optional<Index> nearestVoxel(const VolumeGeometry &grid, const Vec3 &at) {
-  Index index{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double rounded = std::floor(at[a] + 0.5);
-    if (!(rounded >= 0.0) || !(rounded < static_cast<double>(grid.size[a]))) return {};
-    index[a] = static_cast<std::size_t>(rounded);
-  }
-  return index;
-}
-
 std::size_t offsetOf(const VolumeGeometry &grid, const Index &i) {
   return i[0] + grid.size[0] * (i[1] + grid.size[1] * i[2]);
 }
@@ -47,7 +36,7 @@ class Brush {
   }
 
   void point(const Vec3 &p) {
-    if (const auto voxel = nearestVoxel(mask_.geometry, transformPoint(toIndex_, p))) set(*voxel);
+    if (const auto voxel = voxelAt(mask_.geometry, transformPoint(toIndex_, p))) set(*voxel);
   }
 
   /// All voxels within the radius of the segment from p to q.
@@ -88,7 +77,7 @@ class Brush {
     if (stroke_.values) {
       const Vec3 at = transformPoint(
           toImage_, {static_cast<double>(voxel[0]), static_cast<double>(voxel[1]), static_cast<double>(voxel[2])});
-      const auto source = nearestVoxel(image_->geometry, at);
+      const auto source = voxelAt(image_->geometry, at);
       if (!source) return;
       const double value = image_->value((*source)[0], (*source)[1], (*source)[2]);
       if (!(value >= stroke_.values->low) || !(value <= stroke_.values->high)) return;
@@ -130,7 +119,7 @@ Expected<Mask> regionAround(const Volume &volume, const Vec3 &world, double tole
   if (!(maxDistance_mm >= 0.0) || !std::isfinite(maxDistance_mm))
     return fail(ErrorCode::usage, fmt::format("a distance of {} mm is not accepted: finite and >= 0", maxDistance_mm));
   const VolumeGeometry &grid = volume.geometry;
-  const auto seed = nearestVoxel(grid, transformPoint(affineInverse(grid.indexToWorld), world));
+  const auto seed = voxelAt(grid, transformPoint(affineInverse(grid.indexToWorld), world));
   if (!seed)
     return fail(ErrorCode::usage, fmt::format("the click at LPS {:.1f}, {:.1f}, {:.1f} mm is outside of the image",
                                               world[0], world[1], world[2]));
@@ -173,9 +162,9 @@ Mask onGrid(const Mask &mask, const VolumeGeometry &grid) {
   for (std::size_t k = 0; k < grid.size[2]; ++k)
     for (std::size_t j = 0; j < grid.size[1]; ++j)
       for (std::size_t i = 0; i < grid.size[0]; ++i, ++v) {
-        const auto source = nearestVoxel(
-            mask.geometry,
-            transformPoint(toSource, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
+        const auto source =
+            voxelAt(mask.geometry,
+                    transformPoint(toSource, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
         if (source) out.voxels[v] = mask.voxels[offsetOf(mask.geometry, *source)];
       }
   return out;

@@ -375,13 +375,9 @@ Readout ImageViews::readout(const Vec3 &world) const {
   }
   const imaging::VolumeGeometry &grid = image_->volume.geometry;
   const Vec3 at = transformPoint(imaging::affineInverse(grid.indexToWorld), material);
-  std::array<std::size_t, 3> index{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double rounded = std::floor(at[a] + 0.5);
-    if (!(rounded >= 0.0) || !(rounded < static_cast<double>(grid.size[a]))) return readout;
-    index[a] = static_cast<std::size_t>(rounded);
-  }
-  readout.index = index;
+  readout.index = imaging::voxelAt(grid, at);
+  if (!readout.index) return readout;
+  const std::array<std::size_t, 3> &index = *readout.index;
   readout.value = image_->volume.value(index[0], index[1], index[2]);
   readout.unit = image_->volume.unit;
   if (labels_)

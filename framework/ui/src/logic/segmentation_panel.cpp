@@ -175,7 +175,7 @@ void SegmentationPanel::drawMask(const c3de_ui_v1 &ui) {
 
 void SegmentationPanel::drawPainting(const c3de_ui_v1 &ui) {
   segmentation::BrushSettings brush = workflow_.settings().brush;
-  if (button(ui, "brush", brush_.isActive() ? "Brush: off" : "Brush")) brush_.toggle();
+  if (button(ui, "brush", brush_.isActive() ? "Stop painting" : "Brush")) brush_.toggle();
   tooltip(ui, "Paint the mask in the slices with the left mouse button (K). Ctrl+Z undoes a stroke");
   if (!brush_.isActive()) return;
   std::uint32_t isErasing = brush.isErasing ? 1 : 0, isBall = brush.isBall ? 1 : 0;
@@ -207,7 +207,7 @@ void SegmentationPanel::drawGrowing(const c3de_ui_v1 &ui) {
   bool isChanged =
       slider(ui, "grow_tolerance", "Tolerance", image.volume.unit, tolerance, 0.0,
              std::max(image.range.high - image.range.low, tolerance), "Largest difference from the value at the click");
-  isChanged = slider(ui, "grow_distance", "Farthest", "mm", distance, 0.0, kFarthestGrowth_mm,
+  isChanged = slider(ui, "grow_distance", "Maximum distance", "mm", distance, 0.0, kFarthestGrowth_mm,
                      "Distance from the click; 0: unlimited") ||
               isChanged;
   if (isChanged) workflow_.setGrowing(tolerance, distance);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -32,6 +33,8 @@ struct VolumeGeometry {
 
 /// Inverse of an affine matrix (last row 0 0 0 1). The matrix must be invertible.
 [[nodiscard]] Mat4 affineInverse(const Mat4 &affine);
+/// The voxel that contains a point given by its index coordinates; none outside of the grid.
+[[nodiscard]] std::optional<std::array<std::size_t, 3>> voxelAt(const VolumeGeometry &grid, const Vec3 &index);
 /// Whether two volumes have the same voxels in the world: equal sizes, and corners within the tolerance (mm).
 [[nodiscard]] bool sameGrid(const VolumeGeometry &a, const VolumeGeometry &b, double tolerance = 1e-3);
 

@@ -29,8 +29,7 @@ struct MaskStep {
   Vec3 world{};                         ///< component, grow: a point in it, LPS mm
   double radius_mm = 0.0;               ///< close, open; grow: farthest distance from `world`, 0: unlimited
   double tolerance = 0.0;               ///< grow: of image values
-  std::size_t axis = 0;                 ///< fillBetween: of the grid
-  imaging::BrushStroke stroke{};        ///< paint
+  imaging::BrushStroke stroke{};        ///< paint; fillBetween: only its normal
   bool isRest = false;                  ///< what remains selected after bodies were created
 
   /// Whether the step ignores the previous mask.
