@@ -371,7 +371,16 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   CHECK(read->labels.labels[0].name == "organ");
   CHECK(std::count(read->labels.voxels.begin(), read->labels.voxels.end(), read->labels.labels[0].value) ==
         static_cast<std::ptrdiff_t>(filled));
-  // Saved, nothing is lost by quitting.
+  // An undone step is not what was saved: quitting asks. Saved, nothing is lost by it.
+  window.key("ctrl+z");
+  waitForVoxels("the last step is undone", both, both);
+  window.key("ctrl+q");
+  C3DE_WAIT(window, "it asks", s["values"].contains("quit/text"));
+  window.key("Escape");
+  C3DE_WAIT(window, "it stays", !s["values"].contains("quit/text"));
+  window.click("segmentation/save_labels");
+  window.enterFile(outputFile("segmentation_brush_undone.nrrd"));
+  C3DE_WAIT(window, "it is saved again", s["notifications"].dump().find("brush_undone") != std::string::npos);
   window.key("ctrl+q");
   CHECK(window.waitForExit() == 0);
 }
