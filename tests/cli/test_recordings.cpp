@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "program.h"
+#include "support/environment.h"
 #include "support/recording_records.h"
 
 using nlohmann::json;
@@ -88,6 +89,32 @@ TEST_CASE("A recording may begin in the middle, and a replay may end early or sa
   const double until_s = infoOf(session)["time_s"].get<double>() * 1.49;
   CHECK(replay(file, {"--until", std::to_string(until_s), "--report", report.string(), "-q"}).exitCode == 0);
   CHECK(readJson(report)["steps"] == 60);
+}
+
+TEST_CASE("A recording with its files is replayed where they are missing", "[recording]") {
+  const fs::path folder = freshFolder("recording_embedded"), file = folder / "a.c3dr", elsewhere = folder / "elsewhere";
+  const ScopedEnvironment home("C3DE_HOME", (folder / "home").string());
+  const fs::path scene = writeBoxScene(folder);
+  record(scene, file, {"--steps", "30", "--record-hash-every", "10", "--embed"});
+  fs::create_directories(elsewhere);
+  fs::rename(file, elsewhere / "b.c3dr");
+  fs::remove(folder / "box.obj");
+  const json info = infoOf(elsewhere / "b.c3dr");
+  REQUIRE(info["files"].size() == 1);
+  CHECK(info["files"][0]["state"] == "embedded");
+  const auto result = replay(elsewhere / "b.c3dr", {"--check"});
+  CHECK(result.exitCode == 0);
+  CHECK_THAT(result.output, Contains("up to step 30; 4 state hashes are equal"));
+
+  // A recording of a session with its files is independent of the extracted ones.
+  const fs::path session = folder / "c.c3de", again = folder / "d.c3dr";
+  CHECK(replay(elsewhere / "b.c3dr", {"--save-session", session.string()}).exitCode == 0);
+  record(session, again, {"--steps", "5"});
+  fs::remove_all(folder / "home");
+  fs::remove(session);
+  const auto independent = replay(again, {"--check"});
+  CHECK(independent.exitCode == 0);
+  CHECK(infoOf(again)["files"][0]["state"] == "embedded");
 }
 
 TEST_CASE("A replay exports a stretch of the recording for ParaView", "[recording]") {

@@ -8,7 +8,7 @@
 #include "c3de/session/saved_session.h"
 #include "files/zip_archive.h"
 #include "files/zip_writer.h"
-#include "session_sample.h"
+#include "recording_sample.h"
 #include "support/dicom_series.h"
 #include "support/environment.h"
 
@@ -249,6 +249,106 @@ TEST_CASE("Files that were extracted are embedded again, without being asked for
   SessionFile none;
   CHECK(addFile(one.mesh, one.folder, references, {}, Embedding::extracted, none).value() == "data/box.obj");
   CHECK(none.embedded.empty());
+}
+
+TEST_CASE("A session that refers to extracted files finds them in their archive after the cache is gone") {
+  const Embedded one;
+  auto files = one.located();
+  REQUIRE(files);
+  FileReferences references;
+  SessionFile recovery;
+  for (const std::string &path : one.paths)
+    REQUIRE(addFile(placeOf(*files, path), one.folder, references, {}, Embedding::none, recovery));
+  CHECK(recovery.embedded.empty());
+  nameArchives(one.folder, recovery);
+  REQUIRE(writeSession(recovery, one.folder / "recovery.c3de"));
+  files->clear();
+  fs::remove_all(one.folder / "home");
+  const SessionFile read = readSession(one.folder / "recovery.c3de").value();
+  {
+    const auto again = filesOfSession(read, one.folder / "recovery.c3de");
+    if (!again) FAIL(again.error().message);
+    for (const FoundFile &file : *again) {
+      CHECK(sha256Of(file.at).value() == file.file.sha256);
+      CHECK(file.use != nullptr);
+    }
+  }
+  fs::remove_all(one.folder / "home");
+  fs::remove(one.file);
+  const auto gone = filesOfSession(read, one.folder / "recovery.c3de");
+  REQUIRE_FALSE(gone);
+  CHECK_THAT(gone.error().message, Contains("is missing"));
+}
+
+TEST_CASE("A recording contains files, which are extracted from it elsewhere") {
+  const Embedded one;
+  RecordingStart start = recordingStart();
+  start.session.files = one.session.files;
+  start.session.embedded = one.session.embedded;
+  const std::string bytes = recordingBytes(start).value();
+  const std::vector<RecordedEvent> events = eventsOfAllTypes();
+  const fs::path file =
+      write(one.folder / "a.c3dr", bytes + recordedBytes(events).bytes.substr(recordedBytes({}).bytes.size()));
+  fs::create_directories(one.folder / "elsewhere");
+  const fs::path moved = one.folder / "elsewhere" / "b.c3dr";
+  fs::rename(file, moved);
+  fs::remove_all(one.folder / "data");
+
+  const auto read = readRecording(moved);
+  if (!read) FAIL(read.error().message);
+  CHECK(read->isComplete());
+  CHECK(read->events == events);
+  CHECK(read->start.session.files == one.session.files);
+  CHECK(read->start.session.members.empty());  // of 100 kB nothing is in memory
+  CHECK(read->start.session.embedded.size() == 5);
+  const auto files = locateFiles(read->start.session, moved);
+  if (!files) FAIL(files.error().message);
+  CHECK(textIn(placeOf(*files, one.paths[0])) == "v 1 2 3\n");
+  CHECK(textIn(placeOf(*files, one.paths[1]) / "1") == std::string(100'000, 'x'));
+  CHECK(textIn(placeOf(*files, one.paths[2]).parent_path() / "ct.raw") == "12345678");
+}
+
+TEST_CASE("A damaged embedded file of a recording is refused, also with a valid checksum of its record") {
+  const Embedded one;
+  RecordingStart start = recordingStart();
+  start.session.files = one.session.files;
+  start.session.embedded = one.session.embedded;
+  const fs::path file = one.folder / "a.c3dr";
+  std::string bytes = recordingBytes(start).value();
+  const std::size_t name = bytes.find(one.paths[0]);
+  REQUIRE(name != std::string::npos);
+  bytes[name + one.paths[0].size() + 3] ^= 0x10;
+  write(file, bytes);
+  CHECK_THAT(refusedRecording(file), Contains("record 1 at byte 19 (STRT) is damaged: another checksum"));
+  // The archive is damaged before its record was written.
+  ReferencedFile other = one.session.files.front();
+  start.session.files = {other};
+  start.session.embedded.clear();
+  start.session.members[embeddedName(other)] = "v 9 9 9\n";
+  write(file, recordingBytes(start).value());
+  const auto read = readRecording(file);
+  REQUIRE(read);
+  const auto located = locateFiles(read->start.session, file);
+  REQUIRE_FALSE(located);
+  CHECK(located.error().code == ErrorCode::input);
+  CHECK_THAT(located.error().message,
+             Contains("a.c3dr: member '" + embeddedName(other) + "' is damaged: its SHA-256 is "));
+  CHECK(countBelow(extractionFolder()) == 0);
+}
+
+TEST_CASE("A file that changes while a recording begins, and cancelling, are errors") {
+  const Embedded one;
+  RecordingStart start = recordingStart();
+  start.session.files = one.session.files;
+  start.session.embedded = one.session.embedded;
+  const auto cancelled = writeRecordingStart(
+      start, [](std::string_view) { return Expected<void>(); }, [](double, const std::string &) { return false; });
+  REQUIRE_FALSE(cancelled);
+  CHECK(cancelled.error().code == ErrorCode::cancelled);
+  write(one.mesh, "v 3 2 1\n");
+  const auto changed = recordingBytes(start);
+  REQUIRE_FALSE(changed);
+  CHECK_THAT(changed.error().message, Contains(one.paths[0] + ": has changed while it was saved"));
 }
 
 TEST_CASE("Files are found in a folder by their content, folders by name and content") {

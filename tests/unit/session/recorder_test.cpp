@@ -187,14 +187,14 @@ TEST_CASE("Resets of a simulation with a thread are recorded, and a new simulati
   scene::Simulation *simulation = f.session->simulation();
   std::shared_ptr<Recorder> recorder;
   simulation->call([&] { recorder = f.record(file); });
-  CHECK(f.session->recorder() == recorder);
+  CHECK(f.session->recorders() == std::vector{recorder});
   for (int i = 0; i < 3; ++i) simulation->transport(C3DE_TRANSPORT_STEP);
   simulation->call([] {});  // a reset interrupts a step
   simulation->transport(C3DE_TRANSPORT_RESET);
   simulation->transport(C3DE_TRANSPORT_STEP);
   simulation->call([] {});
   REQUIRE(f.session->adopt(next.object(), "next"));
-  CHECK(f.session->recorder() == nullptr);
+  CHECK(f.session->recorders().empty());
   REQUIRE(recorder->finish());
   const auto read = readRecording(file);
   REQUIRE(read.has_value());

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "files/zip_archive.h"
+#include "files/zip_writer.h"
 #include "session_sample.h"
 
 using namespace c3de;

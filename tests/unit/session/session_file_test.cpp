@@ -9,6 +9,7 @@
 #endif
 
 #include "files/zip_archive.h"
+#include "files/zip_writer.h"
 #include "session_sample.h"
 #include "support/file_size_limit.h"
 

@@ -88,10 +88,9 @@ Expected<Described> describeSession(const std::filesystem::path &file,
                                     const std::vector<std::filesystem::path> &search) {
   const auto saved = readSession(file, EmbeddedContent::stays);
   if (!saved) return tl::unexpected(saved.error());
-  auto found = findFiles(*saved, std::filesystem::absolute(file).parent_path());
-  if (!found) return tl::unexpected(found.error());
-  for (const std::filesystem::path &folder : search)
-    if (const auto searched = searchFolder(folder, *found); !searched) return tl::unexpected(searched.error());
+  Json files = Json::array();
+  const auto fileLines = describeFiles(*saved, file, search, files);
+  if (!fileLines) return tl::unexpected(fileLines.error());
   const std::string hash = saved->stateHash ? fmt::format("{:016x}", *saved->stateHash) : std::string();
   std::string text = fmt::format("session of \"{}\", saved {} by {}\n", saved->title, saved->savedAt, saved->program);
   text += saved->state.empty() ? "state: the initial one\n"
@@ -105,18 +104,8 @@ Expected<Described> describeSession(const std::filesystem::path &file,
     text += fmt::format("  change: {}\n", displayText(change.text));
     json["changes"].push_back(Json{{"id", change.id}, {"text", change.text}});
   }
-  for (const FoundFile &one : *found) {
-    const char *state = one.file.isEmbedded                      ? "embedded"
-                        : one.state == FoundFile::State::same    ? "same"
-                        : one.state == FoundFile::State::changed ? "changed"
-                                                                 : "missing";
-    const std::string place = one.at.empty() ? std::string() : pathText(one.at.lexically_normal());
-    const bool isElsewhere = !search.empty() && !place.empty();
-    text += fmt::format("  {}: {}{}\n", displayText(one.file.path), state, isElsewhere ? ", at " + place : "");
-    json["files"].push_back(
-        Json{{"path", one.file.path}, {"bytes", one.file.bytes}, {"sha256", one.file.sha256}, {"state", state}});
-    if (!place.empty()) json["files"].back()["at"] = place;
-  }
+  text += *fileLines;
+  json["files"] = std::move(files);
   return Described{text, json};
 }
 
@@ -134,7 +123,7 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
     case FileKind::image: return describeImage(file, options, arguments.patientNames);
     case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
     case FileKind::session: return describeSession(file, arguments.search);
-    case FileKind::recording: return describeRecording(file);
+    case FileKind::recording: return describeRecording(file, arguments.search);
     case FileKind::mesh: return describeMesh(file, line.unit, formats, arguments.reader);
     case FileKind::unknown: break;
   }

@@ -129,12 +129,15 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
   CLI::Option *saveSession =
       addFile(app, "--save-session", options.saveSession, "FILE.c3de",
               "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
-  app.add_flag("--embed", options.embed, "Store all images and meshes in the session, so that it opens elsewhere")
-      ->needs(saveSession);
   addSearch(app, options.search);
   CLI::Option *record = addFile(app, "--record", options.record, "FILE.c3dr",
                                 "Write the state before the first step, every change, and hashes of the state, for "
                                 "`c3de replay`");
+  app.add_flag("--embed", options.embed,
+               "Store all images and meshes in the session and in the recording, so that they open elsewhere")
+      ->check([saveSession, record](const std::string &) {
+        return saveSession->count() + record->count() > 0 ? std::string() : "requires --save-session or --record";
+      });
   addCount(app, "--record-hash-every", options.recordHashEvery, 1, 1000000000LL,
            "Steps between two state hashes of --record")
       ->default_str(std::to_string(kDefaultHashEvery))

@@ -7,7 +7,9 @@
 #include <map>
 #include <variant>
 
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
+#include "c3de/session/problem_report.h"
 #include "c3de/session/recording_file.h"
 
 namespace c3de::app {
@@ -38,9 +40,65 @@ std::string countLines(const Counts &counts) {
   return text;
 }
 
+std::string memberOf(const SessionFile &session, const char *name) {
+  const auto found = session.members.find(name);
+  return found == session.members.end() ? std::string() : found->second;
+}
+
+/// A report about a problem: the text of the user and the versions.
+Json reportJson(const SessionFile &session) {
+  Json versions = Json::parse(memberOf(session, kReportVersions), nullptr, false);
+  if (versions.is_discarded()) versions = nullptr;
+  return Json{{"description", memberOf(session, kReportText)},
+              {"versions", std::move(versions)},
+              {"values", memberOf(session, kReportValues)},
+              {"log", memberOf(session, kReportLog)}};
+}
+
+std::string reportText(const SessionFile &session) {
+  const auto shown = [&session](const char *name) { return displayText(memberOf(session, name), Lines::many); };
+  const std::string described = shown(kReportText);
+  return "report: " + (described.empty() ? std::string("(no text)") : described) + "\nversions:\n" +
+         shown(kReportVersions) + "\nvalues:\n" + shown(kReportValues) + "log:\n" + shown(kReportLog);
+}
+
+Described describeReport(const SessionFile &session, const std::filesystem::path &file) {
+  return {fmt::format("report without a simulation, saved {} by {}\n", displayText(session.savedAt),
+                      displayText(session.program)) +
+              reportText(session),
+          Json{{"kind", "report"},
+               {"file", file.string()},
+               {"program", session.program},
+               {"saved", session.savedAt},
+               {"report", reportJson(session)}}};
+}
+
 }  // namespace
 
-Expected<Described> describeRecording(const std::filesystem::path &file) {
+Expected<std::string> describeFiles(const SessionFile &saved, const std::filesystem::path &file,
+                                    const std::vector<std::filesystem::path> &search, Json &list) {
+  auto found = findFiles(saved, std::filesystem::absolute(file).parent_path());
+  if (!found) return tl::unexpected(found.error());
+  for (const std::filesystem::path &folder : search)
+    if (const auto searched = searchFolder(folder, *found); !searched) return tl::unexpected(searched.error());
+  std::string text;
+  for (const FoundFile &one : *found) {
+    const char *state = one.file.isEmbedded                      ? "embedded"
+                        : one.state == FoundFile::State::same    ? "same"
+                        : one.state == FoundFile::State::changed ? "changed"
+                                                                 : "missing";
+    const std::string place = one.at.empty() ? std::string() : pathText(one.at.lexically_normal());
+    const bool isElsewhere = !search.empty() && !place.empty();
+    text += fmt::format("  {}: {}{}\n", displayText(one.file.path), state, isElsewhere ? ", at " + place : "");
+    list.push_back(
+        Json{{"path", one.file.path}, {"bytes", one.file.bytes}, {"sha256", one.file.sha256}, {"state", state}});
+    if (!place.empty()) list.back()["at"] = place;
+  }
+  return text;
+}
+
+Expected<Described> describeRecording(const std::filesystem::path &file,
+                                      const std::vector<std::filesystem::path> &search) {
   const auto recording = readRecording(file);
   if (!recording) return tl::unexpected(recording.error());
   Counts counts;
@@ -51,6 +109,11 @@ Expected<Described> describeRecording(const std::filesystem::path &file) {
   const std::uint64_t made = last ? last->made : 0;
   const double end_s = last ? last->time_s : start.time_s;
 
+  Json files = Json::array();
+  const auto fileLines = describeFiles(start, file, search, files);
+  if (!fileLines) return tl::unexpected(fileLines.error());
+  const bool isReport = start.members.contains(kReportVersions);
+  if (start.scenes.empty()) return describeReport(start, file);
   std::string text = fmt::format("recording of \"{}\", begun {} by {}, with {} {}\n", displayText(start.title),
                                  displayText(start.savedAt), displayText(start.program), displayText(simulator.plugin),
                                  displayText(simulator.version));
@@ -59,6 +122,8 @@ Expected<Described> describeRecording(const std::filesystem::path &file) {
   text += fmt::format("state hashes: {}, every {} steps and at the end\n", counts.hashes, recording->start.hashEvery);
   text += countLines(counts);
   if (!recording->isComplete()) text += recording->whyIncomplete() + "\n";
+  text += *fileLines;
+  if (isReport) text += reportText(start);
 
   Json json{{"kind", "recording"},
             {"file", file.string()},
@@ -79,6 +144,8 @@ Expected<Described> describeRecording(const std::filesystem::path &file) {
             {"hash_every", recording->start.hashEvery},
             {"complete", recording->isComplete()}};
   for (const auto &[id, n] : counts.changes) json["changes"][id] = n;
+  json["files"] = std::move(files);
+  if (isReport) json["report"] = reportJson(start);
   if (last) json["state_hash"] = fmt::format("{:016x}", last->hash);
   return Described{text, json};
 }

@@ -66,6 +66,8 @@ Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session
   if (options.isReplay) {
     auto recording = readRecording(options.scene);
     if (!recording) return tl::unexpected(recording.error());
+    if (recording->start.session.scenes.empty())
+      return fail(ErrorCode::input, pathText(options.scene) + ": " + kNothingToReplay);
     if (const std::string text = recording->whyIncomplete(); !text.empty())
       log(LogLevel::warn, pathText(options.scene) + ": the recording " + text);
     beginning.saved = recording->start.session;

@@ -377,9 +377,18 @@ Expected<void> prepareRecording(const RunOptions &options, Session &session, c3d
                                 HeadlessRun &run) {
   if (replay != nullptr) run.repeat(*replay);
   if (options.record.empty()) return {};
-  const auto start = recordingStart(session, simulator, identity, source, options.record, options.recordHashEvery);
+  ProgressLine line(options.quiet);
+  const ProgressFn report = [&line](double fraction, const std::string &what) {
+    line.update(fraction, what);
+    return !wasInterrupted();
+  };
+  const auto start = recordingStart(session, simulator, identity, source, options.record, options.recordHashEvery,
+                                    report, options.embed ? Embedding::all : Embedding::extracted);
   if (!start) return tl::unexpected(start.error());
-  auto recorder = Recorder::create(options.record, *start, simulator);
+  RecorderOptions recorderOptions;
+  recorderOptions.progress = report;
+  auto recorder = Recorder::create(options.record, *start, simulator, recorderOptions);
+  line.finish();
   if (!recorder) return tl::unexpected(recorder.error());
   run.record(std::move(*recorder));
   return {};

@@ -106,6 +106,7 @@ void ReplayController::open(const std::filesystem::path &file, std::shared_ptr<c
         auto recording = readRecording(opened->file);
         if (!recording) return tl::unexpected(recording.error());
         const SessionFile &saved = recording->start.session;
+        if (saved.scenes.empty()) return fail(ErrorCode::input, pathText(opened->file) + ": " + kNothingToReplay);
         auto files = filesOfSession(saved, opened->file, progress);
         if (!files) return tl::unexpected(files.error());
         opened->files = std::move(*files);
@@ -126,6 +127,7 @@ void ReplayController::onRead(const std::shared_ptr<Opened> &opened, Expected<vo
     result = identity ? timeline.replay().checkSimulator(*identity) : Expected<void>(tl::unexpected(identity.error()));
   }
   if (!result) return parts_.failed("Could not open " + pathText(opened->file.filename()), result.error());
+  parts_.session.keepInUse(opened->files);
   auto marks = std::make_shared<std::vector<ui::ReplayView::Mark>>();
   for (const TimelineMark &mark : opened->timeline->axis().marks()) marks->push_back({mark.made, mark.text});
   opened->marks = std::move(marks);

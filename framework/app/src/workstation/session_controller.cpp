@@ -222,6 +222,7 @@ void SessionController::build(const MissingFilesController::Opened &opened) {
       },
       [this, opened, name](const Expected<void> &result) {
         if (!result) return parts_.failed("Could not open " + name, result.error());
+        parts_.session.keepInUse(opened->files);
         if (opened->source.empty()) {
           // A present simulation is not that of the session.
           if (!parts_.session.simulation()) onLoaded(opened);

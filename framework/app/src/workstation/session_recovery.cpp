@@ -161,8 +161,9 @@ Expected<void> SessionRecovery::writeNow(const Request &request) {
     lock_.emplace(std::move(*lock));
   }
   // A file of every few seconds has no images in it.
-  const auto saved = sessionWithView(**request.captured, request.shown, folder_, references_, {}, Embedding::none);
+  auto saved = sessionWithView(**request.captured, request.shown, folder_, references_, {}, Embedding::none);
   if (!saved) return tl::unexpected(saved.error());
+  nameArchives(folder_, *saved);
   return writeSession(*saved, file_);
 }
 

@@ -54,14 +54,15 @@ void goToStateOf(Session &session, const std::filesystem::path &file, ExportCall
   runBetweenSteps(
       session,
       [&session, file, identity = *identity,
-       recorder = session.recorder()](scene::Simulation &simulation) -> Expected<std::string> {
+       recorders = session.recorders()](scene::Simulation &simulation) -> Expected<std::string> {
         const auto bytes = readStateFile(file);
         if (!bytes) return tl::unexpected(bytes.error());
         const std::string name = pathText(file);
         const auto before = simulatorStatus(simulation.table(), simulation.object());
         if (auto gone = goToState(session, simulation.object(), identity, *bytes, name); !gone)
           return tl::unexpected(gone.error());
-        if (recorder && before) recorder->addState(before->steps, *bytes);
+        for (const auto &recorder : recorders)
+          if (before) recorder->addState(before->steps, *bytes);
         return name;
       },
       std::move(told));

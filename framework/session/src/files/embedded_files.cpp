@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,6 +20,7 @@
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/companion_files.h"
+#include "files/archive_stream.h"
 #include "files/embedded_names.h"
 #include "files/file_hash.h"
 #include "files/zip_archive.h"
@@ -32,6 +34,7 @@ constexpr auto kKeptFor = std::chrono::hours(24 * 7);
 constexpr auto kExtractsAtMost = std::chrono::hours(24);
 constexpr const char *kUnfinished = ".extracting-";
 constexpr const char *kUseLock = ".lock";
+constexpr const char *kArchive = ".archive";  // beside a folder: names the session that it was extracted from
 
 std::string uniqueSuffix() {
   std::random_device random;
@@ -70,6 +73,8 @@ class ExtractionUse {
   fs::path folder_, file_;
   std::optional<FileLock> lock_;
 };
+
+fs::path archiveFile(fs::path folder) { return folder += kArchive; }
 
 /// Embedded files in one folder of an archive: files/SHA256.
 struct Group {
@@ -137,10 +142,10 @@ class Extractor {
 
   Expected<void> extract() {
     if (auto free = checkSpace(); !free) return free;
-    auto in = openInputFile(session_);
-    if (!in) return tl::unexpected(in.error());
-    const auto streamed =
-        streamZip(*in, pathText(session_), [this](const std::string &member) { return takerOf(member); });
+    const auto archive = openArchive(session_);
+    if (!archive) return tl::unexpected(archive.error());
+    const auto streamed = streamZip((*archive)->stream(), pathText(session_),
+                                    [this](const std::string &member) { return takerOf(member); });
     if (!streamed) return streamed;
     for (const Group *group : groups_)
       for (const FoundFile *one : group->files)
@@ -250,6 +255,32 @@ bool isUsed(const fs::path &folder) {
 
 }  // namespace
 
+fs::path archiveOf(const fs::path &extracted) {
+  std::error_code code;
+  const fs::path folder = fs::weakly_canonical(extractionFolder(), code);
+  const fs::path relative = fs::weakly_canonical(fs::absolute(extracted, code), code).lexically_relative(folder);
+  if (relative.empty() || *relative.begin() == "..") return {};
+  auto in = openInputFile(archiveFile(folder / *relative.begin()));
+  if (!in) return {};
+  return pathFromText(std::string(std::istreambuf_iterator<char>(*in), {}));
+}
+
+Expected<void> extractAgain(const fs::path &archive, std::vector<FoundFile *> files, const ProgressFn &progress) {
+  const auto open = openArchive(archive);
+  if (!open) return tl::unexpected(open.error());
+  const auto saved = readSession((*open)->stream(), pathText(archive), EmbeddedContent::stays);
+  if (!saved) return tl::unexpected(saved.error());
+  std::vector<FoundFile> embedded;
+  for (const ReferencedFile &file : saved->files)
+    if (file.isEmbedded) embedded.push_back({file, {}, FoundFile::State::same, nullptr});
+  if (auto extracted = extractEmbedded(archive, embedded, progress); !extracted) return extracted;
+  for (FoundFile *file : files)
+    for (const FoundFile &one : embedded)
+      if (file->state != FoundFile::State::same && one.file.sha256 == file->file.sha256)
+        *file = {file->file, one.at, FoundFile::State::same, one.use};
+  return {};
+}
+
 fs::path extractionFolder() { return userCacheDirectory() / "embedded"; }
 
 bool isExtracted(const fs::path &file) {
@@ -269,8 +300,11 @@ void removeUnusedExtractions(fs::file_time_type now) {
     const bool isUnfinished = pathText(at->path().filename()).starts_with(kUnfinished);
     if (!ignored && now - used > (isUnfinished ? kExtractsAtMost : kKeptFor)) old.push_back(at->path());
   }
-  for (const fs::path &folder : old)
-    if (!isUsed(folder)) fs::remove_all(folder, code);
+  for (const fs::path &folder : old) {
+    if (isUsed(folder)) continue;
+    fs::remove_all(folder, code);
+    fs::remove(archiveFile(folder), code);
+  }
 }
 
 Expected<void> extractEmbedded(const fs::path &session, std::vector<FoundFile> &files, const ProgressFn &progress) {
@@ -300,8 +334,11 @@ Expected<void> extractEmbedded(const fs::path &session, std::vector<FoundFile> &
     ByteProgress extracted(progress, bytes, "Extracting");
     if (auto done = Extractor(session, lacking, extracted).extract(); !done) return done;
   }
+  const std::string archive = pathText(fs::absolute(session, code).lexically_normal());
   for (const Group &group : *groups) {
     group.use->renew();
+    // Without it, only a session that is opened again would find the files.
+    if (auto noted = writeWholeFile(archiveFile(group.place), archive); !noted) return noted;
     for (FoundFile *one : group.files) {
       one->at = group.place / pathFromText(nameInGroup(one->file));
       one->state = FoundFile::State::same;

@@ -16,6 +16,7 @@
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
+#include "files/archive_stream.h"
 
 namespace c3de::session {
 namespace {
@@ -26,6 +27,7 @@ constexpr std::size_t kTypeBytes = 4;
 constexpr std::size_t kHeaderBytes = kTypeBytes + 8 + 4;
 constexpr std::size_t kChecksumBytes = 4;
 constexpr std::string_view kStartType = "STRT";
+constexpr std::uint64_t kLongestHead = std::uint64_t{1} << 16;  // of a start, before its session
 constexpr std::array<std::string_view, 6> kTypes{"CHNG", "RSET", "STAT", "SCEN", "HASH", "END."};  // as RecordedEvent
 static_assert(kTypes.size() == std::variant_size_v<RecordedEvent>);
 
@@ -99,6 +101,8 @@ class RecordContent {
     problem_ = read.error().message;
     return {};
   }
+  [[nodiscard]] std::size_t left() const { return rest_.size(); }
+  [[nodiscard]] bool isShort() const { return isShort_; }
   /// What is wrong with the content; empty: nothing.
   [[nodiscard]] std::string problem() const {
     if (isShort_) return place_ + " is too short";
@@ -150,13 +154,21 @@ RecordedEvent eventIn(std::size_t type, RecordContent &content) {
   }
 }
 
+/// What is before the session.
 RecordingStart startIn(RecordContent &content) {
   RecordingStart start;
   start.hashEvery = content.number<std::uint64_t>();
   for (std::string *text : {&start.simulator.classId, &start.simulator.plugin, &start.simulator.version})
     *text = content.text();
-  start.session = content.session();
   return start;
+}
+
+std::string headOf(const RecordingStart &start) {
+  std::string head;
+  putNumber(head, start.hashEvery);
+  for (const std::string *text : {&start.simulator.classId, &start.simulator.plugin, &start.simulator.version})
+    putText<std::uint32_t>(head, *text);
+  return head;
 }
 
 /// Reads one record after another.
@@ -181,34 +193,64 @@ class RecordReader {
   struct Record {
     std::string type, content;
   };
+  /// Where the content of a record is in the file.
+  struct Extent {
+    std::string type;
+    std::uint64_t begin = 0, size = 0;
+    std::uint32_t checksum = 0;  ///< of the header
+  };
   /// None: the file ends, here or within the record.
   Expected<std::optional<Record>> next() {
+    const auto extent = nextExtent();
+    if (!extent) return tl::unexpected(extent.error());
+    if (!*extent) return std::optional<Record>();
+    Record record{(*extent)->type, {}};
+    if (const std::uint64_t free = availableMemory(); free != 0 && (*extent)->size > free)
+      return fail(ErrorCode::input,
+                  fmt::format("{} has {} bytes; the free memory has {}", place_, (*extent)->size, free));
+    auto read = readContent(**extent, [&record](std::string_view piece) { record.content += piece; });
+    if (!read) return tl::unexpected(read.error());
+    return *read ? std::optional(std::move(record)) : std::optional<Record>();
+  }
+  /// Reads the content in pieces and compares its checksum. False: the file ends within it.
+  template <class Take>
+  Expected<bool> readContent(const Extent &extent, const Take &take) {
+    constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
+    std::uint32_t sum = extent.checksum;
+    for (std::uint64_t rest = extent.size; rest > 0;) {
+      const auto piece = this->take(static_cast<std::size_t>(std::min(rest, kPiece)));
+      if (!piece) return false;
+      sum = crcOf(*piece, sum);
+      take(*piece);
+      rest -= piece->size();
+    }
+    const auto ofContent = this->take(kChecksumBytes);
+    if (!ofContent) return false;
+    std::string_view bytes = *ofContent;
+    if (takeNumber<std::uint32_t>(bytes) != sum)
+      return fail(ErrorCode::input,
+                  fmt::format("{} ({}) is damaged: another checksum", place_, displayText(extent.type)));
+    return true;
+  }
+  /// The header of the next record. None: the file ends, here or within the record.
+  Expected<std::optional<Extent>> nextExtent() {
     ++number_;
     place_ = fmt::format("{}: record {} at byte {}", file_, number_, at_);
     auto header = take(kHeaderBytes);
-    if (!header) return std::optional<Record>();
+    if (!header) return std::optional<Extent>();
     std::string_view rest = std::string_view(*header).substr(kTypeBytes);
     const auto size = takeNumber<std::uint64_t>(rest);
     const auto ofHeader = takeNumber<std::uint32_t>(rest);
     const std::uint32_t sum = crcOf(std::string_view(*header).substr(0, kHeaderBytes - kChecksumBytes));
     if (sum != *ofHeader) {
       // A file system may have made the file longer before the power failed.
-      if (isZero(*header) && isZeroToEnd()) return std::optional<Record>();
+      if (isZero(*header) && isZeroToEnd()) return std::optional<Extent>();
       return fail(ErrorCode::input, place_ + " is damaged: its header has another checksum");
     }
-    Record record;
-    record.type = header->substr(0, kTypeBytes);
-    if (*size > left_ || left_ - *size < kChecksumBytes) return std::optional<Record>();
-    auto content = take(static_cast<std::size_t>(*size));
-    const auto ofContent = take(kChecksumBytes);
-    if (!content || !ofContent) return std::optional<Record>();
-    std::string_view bytes = *ofContent;
-    if (takeNumber<std::uint32_t>(bytes) != crcOf(*content, sum))
-      return fail(ErrorCode::input,
-                  fmt::format("{} ({}) is damaged: another checksum", place_, displayText(record.type)));
-    record.content = std::move(*content);
-    return std::optional(std::move(record));
+    if (*size > left_ || left_ - *size < kChecksumBytes) return std::optional<Extent>();
+    return std::optional(Extent{header->substr(0, kTypeBytes), at_, *size, sum});
   }
+  [[nodiscard]] std::istream &stream() { return in_; }
   /// Of the last record, for messages.
   [[nodiscard]] const std::string &place() const { return place_; }
   [[nodiscard]] std::uint64_t left() const { return left_; }
@@ -249,18 +291,65 @@ tl::unexpected<Error> unknownType(const std::string &place, const std::string &t
                                             place, displayText(type), known));
 }
 
-Expected<Recording> readRecords(RecordReader &reader, const std::string &file) {
-  if (const auto head = reader.readHead(); !head) return tl::unexpected(head.error());
-  Recording recording;
-  const auto first = reader.next();
+/// The start, and where its archive is in the file.
+struct FoundStart {
+  RecordingStart start;  ///< without the session
+  std::uint64_t begin = 0, size = 0;
+};
+
+/// @param extent  of the first record
+Expected<FoundStart> findStart(RecordReader &reader, const RecordReader::Extent &extent) {
+  std::string head(static_cast<std::size_t>(std::min(extent.size, kLongestHead)), '\0');
+  std::istream &in = reader.stream();
+  const auto place = in.tellg();
+  in.seekg(static_cast<std::streamoff>(extent.begin));
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  in.clear();
+  in.seekg(place);
+  RecordContent content(head, reader.place());
+  FoundStart found{startIn(content), 0, 0};
+  if (content.isShort()) return fail(ErrorCode::input, content.problem());
+  const std::uint64_t before = head.size() - content.left();
+  found.begin = extent.begin + before;
+  found.size = extent.size - before;
+  return found;
+}
+
+Expected<RecordReader::Extent> firstExtent(RecordReader &reader, const std::string &file) {
+  const auto first = reader.nextExtent();
   if (!first) return tl::unexpected(first.error());
   if (!*first) return fail(ErrorCode::input, file + ": ends before the state that it begins with is complete");
   if ((*first)->type != kStartType)
     return fail(ErrorCode::input, fmt::format("{} has the type '{}'; accepted: {}", reader.place(),
                                               displayText((*first)->type), kStartType));
-  RecordContent beginning((*first)->content, reader.place());
-  recording.start = startIn(beginning);
-  if (const std::string problem = beginning.problem(); !problem.empty()) return fail(ErrorCode::input, problem);
+  return **first;
+}
+
+/// Embedded files stay in the file.
+Expected<RecordingStart> readStart(RecordReader &reader, const std::string &file) {
+  const auto extent = firstExtent(reader, file);
+  if (!extent) return tl::unexpected(extent.error());
+  const auto isWhole = reader.readContent(*extent, [](std::string_view) {});
+  if (!isWhole) return tl::unexpected(isWhole.error());
+  if (!*isWhole) return fail(ErrorCode::input, file + ": ends before the state that it begins with is complete");
+  auto found = findStart(reader, *extent);
+  if (!found) return tl::unexpected(found.error());
+  const auto place = reader.stream().tellg();
+  StreamPart archive(reader.stream(), found->begin, found->size);
+  auto session = readSession(archive, reader.place(), EmbeddedContent::stays);
+  if (!session) return tl::unexpected(session.error());
+  reader.stream().clear();
+  reader.stream().seekg(place);
+  found->start.session = std::move(*session);
+  return std::move(found->start);
+}
+
+Expected<Recording> readRecords(RecordReader &reader, const std::string &file) {
+  if (const auto head = reader.readHead(); !head) return tl::unexpected(head.error());
+  Recording recording;
+  auto start = readStart(reader, file);
+  if (!start) return tl::unexpected(start.error());
+  recording.start = std::move(*start);
   while (!recording.isComplete()) {
     const auto record = reader.next();
     if (!record) return tl::unexpected(record.error());
@@ -302,16 +391,48 @@ std::string Recording::whyIncomplete() const {
 
 bool isRecordingPath(const std::filesystem::path &path) { return path.extension() == ".c3dr"; }
 
+Expected<void> writeRecordingStart(const RecordingStart &start,
+                                   const std::function<Expected<void>(std::string_view)> &sink,
+                                   const ProgressFn &progress) {
+  const std::string head = headOf(start);
+  std::uint64_t size = head.size();
+  if (auto packed = packSession(
+          start.session, [&size](std::string_view piece) { size += piece.size(); }, progress);
+      !packed)
+    return packed;
+  std::string header(kStartType);
+  putNumber(header, size);
+  std::uint32_t checksum = crcOf(header);
+  putNumber(header, checksum);
+  std::string first(kRecordingMagic);
+  putNumber(first, kRecordingFormat);
+  Expected<void> written = sink(first + header + head);
+  checksum = crcOf(head, checksum);
+  std::uint64_t again = head.size();
+  const auto packed = packSession(
+      start.session,
+      [&](std::string_view piece) {
+        again += piece.size();
+        checksum = crcOf(piece, checksum);
+        if (written) written = sink(piece);
+      },
+      [&](double fraction, const std::string &what) { return written && (!progress || progress(fraction, what)); });
+  if (!written) return written;
+  if (!packed) return packed;
+  if (again != size) return fail(ErrorCode::input, "files have changed while they were embedded");
+  std::string end;
+  putNumber(end, checksum);
+  return sink(end);
+}
+
 Expected<std::string> recordingBytes(const RecordingStart &start) {
-  std::string content;
-  putNumber(content, start.hashEvery);
-  for (const std::string *text : {&start.simulator.classId, &start.simulator.plugin, &start.simulator.version})
-    putText<std::uint32_t>(content, *text);
-  const auto session = sessionBytes(start.session);
-  if (!session) return session;
-  std::string out(kRecordingMagic);
-  putNumber(out, kRecordingFormat);
-  return out + framed(kStartType, content + *session);
+  std::string bytes;
+  const auto written = writeRecordingStart(start, [&bytes](std::string_view piece) {
+    bytes += piece;
+    return Expected<void>();
+  });
+  if (!written) return tl::unexpected(written.error());
+  return bytes;
 }
 
 Expected<std::string> recordingBytes(const RecordedEvent &event) {
@@ -320,19 +441,48 @@ Expected<std::string> recordingBytes(const RecordedEvent &event) {
   return framed(kTypes[event.index()], *content);
 }
 
+namespace {
+
+Expected<std::uint64_t> sizeOf(std::istream &in, const std::string &file) {
+  in.seekg(0, std::ios::end);
+  const std::streamoff size = in.tellg();
+  in.seekg(0);
+  if (size < 0 || !in) return fail(ErrorCode::input, file + ": cannot be read");
+  return static_cast<std::uint64_t>(size);
+}
+
+}  // namespace
+
 Expected<Recording> readRecording(const std::filesystem::path &path) {
   const std::string file = pathText(path);
   auto in = openInputFile(path);
   if (!in) return tl::unexpected(in.error());
-  in->seekg(0, std::ios::end);
-  const std::streamoff size = in->tellg();
-  in->seekg(0);
-  if (size < 0 || !*in) return fail(ErrorCode::input, file + ": cannot be read");
-  const auto bytes = static_cast<std::uint64_t>(size);
-  if (const std::uint64_t free = availableMemory(); free != 0 && bytes > free)
-    return fail(ErrorCode::input, fmt::format("{}: has {} bytes; the free memory has {}", file, bytes, free));
-  RecordReader reader(*in, file, bytes);
+  const auto bytes = sizeOf(*in, file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  RecordReader reader(*in, file, *bytes);
   return readRecords(reader, file);
+}
+
+Expected<std::unique_ptr<Archive>> openArchive(const std::filesystem::path &path) {
+  auto in = openInputFile(path);
+  if (!in) return tl::unexpected(in.error());
+  auto archive = std::make_unique<Archive>();
+  archive->file = std::move(*in);
+  std::string magic(kRecordingMagic.size(), '\0');
+  archive->file.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  archive->file.clear();
+  if (magic != kRecordingMagic) return archive;
+  const std::string file = pathText(path);
+  const auto bytes = sizeOf(archive->file, file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  RecordReader reader(archive->file, file, *bytes);
+  if (const auto head = reader.readHead(); !head) return tl::unexpected(head.error());
+  const auto extent = firstExtent(reader, file);
+  if (!extent) return tl::unexpected(extent.error());
+  const auto found = findStart(reader, *extent);
+  if (!found) return tl::unexpected(found.error());
+  archive->part = std::make_unique<StreamPart>(archive->file, found->begin, found->size);
+  return archive;
 }
 
 }  // namespace c3de::session

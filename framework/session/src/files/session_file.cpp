@@ -154,19 +154,6 @@ class SessionPacker {
   std::map<std::string, std::string> hashes_;
 };
 
-/// Errors without the name of the file.
-Expected<void> writeStreamed(const SessionFile &session, const std::filesystem::path &path,
-                             const ProgressFn &progress) {
-  auto out = OutputFile::open(path, Durability::strict);
-  if (!out) return tl::unexpected(out.error());
-  ZipWriter zip([&out](std::string_view bytes) { out->write(bytes); });
-  if (auto packed = SessionPacker(session, zip, progress).pack(); !packed) {
-    if (packed.error().code == ErrorCode::cancelled) return packed;
-    return fail(packed.error().code, fmt::format("{}: could not be saved: {}", pathText(path), packed.error().message));
-  }
-  return out->commit();
-}
-
 }  // namespace
 
 bool isSessionPath(const std::filesystem::path &path) { return path.extension() == ".c3de"; }
@@ -187,23 +174,27 @@ Expected<std::string> embeddedHash(const std::string &name, const std::map<std::
   return hash.digits();
 }
 
+Expected<void> packSession(const SessionFile &session, const std::function<void(std::string_view)> &sink,
+                           const ProgressFn &progress) {
+  ZipWriter zip(sink);
+  return SessionPacker(session, zip, progress).pack();
+}
+
 Expected<std::string> sessionBytes(const SessionFile &session) {
-  if (!session.embedded.empty())
-    return fail(ErrorCode::usage,
-                fmt::format("the file {} is embedded, but not in memory", session.embedded.begin()->first));
-  const auto packed = membersOf(session);
-  if (!packed) return tl::unexpected(packed.error());
-  std::vector<ZipMember> members{{kSessionJson, packed->json}};
-  for (const auto &[name, bytes] : packed->sorted) members.push_back({name, bytes});
-  return zipBytes(members);
+  std::string bytes;
+  if (auto packed = packSession(session, [&bytes](std::string_view piece) { bytes += piece; }); !packed)
+    return tl::unexpected(packed.error());
+  return bytes;
 }
 
 Expected<void> writeSession(const SessionFile &session, const std::filesystem::path &path, const ProgressFn &progress) {
-  if (!session.embedded.empty()) return writeStreamed(session, path, progress);
-  const auto bytes = sessionBytes(session);
-  if (!bytes)
-    return fail(bytes.error().code, fmt::format("{}: could not be saved: {}", pathText(path), bytes.error().message));
-  return writeWholeFile(path, *bytes, Durability::strict);
+  auto out = OutputFile::open(path, Durability::strict);
+  if (!out) return tl::unexpected(out.error());
+  const auto packed = packSession(
+      session, [&out](std::string_view bytes) { out->write(bytes); }, progress);
+  if (packed) return out->commit();
+  if (packed.error().code == ErrorCode::cancelled) return packed;
+  return fail(packed.error().code, fmt::format("{}: could not be saved: {}", pathText(path), packed.error().message));
 }
 
 Expected<SessionFile> readSession(const std::filesystem::path &path, EmbeddedContent content) {

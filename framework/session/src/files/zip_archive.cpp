@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <minizip/unzip.h>
-#include <minizip/zip.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -23,9 +22,6 @@
 namespace c3de::session {
 namespace {
 
-constexpr int kLevel = 6;
-constexpr uLong kDosDate = 0x00210000;  // 1 January 1980, the first that a zip can express
-constexpr uLong kUtf8Names = 1u << 11;
 constexpr uLong kEncrypted = 1u << 0;
 constexpr std::size_t kLongestName = 1024;
 constexpr std::size_t kZipChunk = std::size_t{1} << 20;
@@ -39,42 +35,6 @@ constexpr std::uint64_t kRatioSlack = 64;
 std::int64_t seekTarget(std::int64_t present, std::int64_t end, ZPOS64_T offset, int origin) {
   const auto distance = static_cast<std::int64_t>(offset);
   return origin == ZLIB_FILEFUNC_SEEK_SET ? distance : distance + (origin == ZLIB_FILEFUNC_SEEK_CUR ? present : end);
-}
-
-/// A file in memory that minizip writes.
-struct MemoryFile {
-  std::string bytes;
-  std::size_t at = 0;
-};
-
-zlib_filefunc64_def memoryFunctions(MemoryFile &target) {
-  zlib_filefunc64_def functions{};
-  functions.opaque = &target;
-  functions.zopen64_file = [](voidpf opaque, const void *, int) -> voidpf { return opaque; };
-  functions.zread_file = [](voidpf, voidpf, void *, uLong) -> uLong { return 0; };
-  functions.zwrite_file = [](voidpf, voidpf stream, const void *bytes, uLong size) -> uLong {
-    MemoryFile &file = *static_cast<MemoryFile *>(stream);
-    try {
-      if (file.at + size > file.bytes.size()) file.bytes.resize(file.at + size);
-    } catch (const std::exception &) {
-      return 0;
-    }
-    std::copy_n(static_cast<const char *>(bytes), size, file.bytes.begin() + static_cast<std::ptrdiff_t>(file.at));
-    file.at += size;
-    return size;
-  };
-  functions.ztell64_file = [](voidpf, voidpf stream) -> ZPOS64_T { return static_cast<MemoryFile *>(stream)->at; };
-  functions.zseek64_file = [](voidpf, voidpf stream, ZPOS64_T offset, int origin) -> long {
-    MemoryFile &file = *static_cast<MemoryFile *>(stream);
-    const std::int64_t to =
-        seekTarget(static_cast<std::int64_t>(file.at), static_cast<std::int64_t>(file.bytes.size()), offset, origin);
-    if (to < 0) return -1;
-    file.at = static_cast<std::size_t>(to);
-    return 0;
-  };
-  functions.zclose_file = [](voidpf, voidpf) -> int { return 0; };
-  functions.zerror_file = [](voidpf, voidpf) -> int { return 0; };
-  return functions;
 }
 
 /// A file, on disk or in memory, that minizip reads.
@@ -372,37 +332,6 @@ std::string refusedMemberName(std::string_view name) {
     begin = end + 1;
   }
   return {};
-}
-
-Expected<std::string> zipBytes(std::span<const ZipMember> members) {
-  std::set<std::string_view> names;
-  for (const ZipMember &member : members) {
-    if (const std::string reason = refusedMemberName(member.name); !reason.empty())
-      return fail(ErrorCode::usage, fmt::format("member '{}' {}", displayMessage(member.name), reason));
-    if (!names.insert(member.name).second)
-      return fail(ErrorCode::usage, fmt::format("member '{}' occurs twice", displayMessage(member.name)));
-  }
-  MemoryFile file;
-  zlib_filefunc64_def functions = memoryFunctions(file);
-  const zipFile zip = zipOpen2_64(nullptr, APPEND_STATUS_CREATE, nullptr, &functions);
-  bool isGood = zip != nullptr;
-  for (const ZipMember &member : members) {
-    if (!isGood) break;
-    zip_fileinfo info{};
-    info.dosDate = kDosDate;
-    isGood = zipOpenNewFileInZip4_64(zip, std::string(member.name).c_str(), &info, nullptr, 0, nullptr, 0, nullptr,
-                                     Z_DEFLATED, kLevel, 0, -MAX_WBITS, DEF_MEM_LEVEL, Z_DEFAULT_STRATEGY, nullptr, 0,
-                                     0, kUtf8Names, member.bytes.size() >= kFirstOfZip64 ? 1 : 0) == ZIP_OK;
-    for (std::string_view rest = member.bytes; isGood && !rest.empty();) {
-      const std::string_view part = rest.substr(0, kZipChunk);
-      isGood = zipWriteInFileInZip(zip, part.data(), static_cast<unsigned>(part.size())) == ZIP_OK;
-      rest.remove_prefix(part.size());
-    }
-    isGood = isGood && zipCloseFileInZip(zip) == ZIP_OK;
-  }
-  if (zip != nullptr) isGood = zipClose(zip, nullptr) == ZIP_OK && isGood;
-  if (!isGood) return fail(ErrorCode::output, "cannot be packed: there is not enough memory");
-  return std::move(file.bytes);
 }
 
 Expected<std::map<std::string, std::string>> readZip(const std::filesystem::path &path, const ZipLimits &limits) {

@@ -6,7 +6,6 @@
 #include <functional>
 #include <iosfwd>
 #include <map>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,18 +13,9 @@
 
 namespace c3de::session {
 
-struct ZipMember {
-  std::string_view name;  ///< UTF-8, forward slashes
-  std::string_view bytes;
-};
-
 /// Reason why a member may not have this name: empty, absolute, with "..", a backslash, a drive or control characters,
 /// not UTF-8, too long. Empty: it may.
 [[nodiscard]] std::string refusedMemberName(std::string_view name);
-
-/// A zip of the members in this order. The same members give the same bytes (fixed time stamps, one level of
-/// compression). Errors: a refused name, a name twice, no memory. Any thread.
-[[nodiscard]] Expected<std::string> zipBytes(std::span<const ZipMember> members);
 
 struct ZipLimits {
   std::uint64_t bytes = std::uint64_t{1} << 34;  ///< of all members that are read, unpacked

@@ -145,4 +145,16 @@ void ZipWriter::finish() {
                  isLarge ? kIsLarge : static_cast<std::uint32_t>(place), std::uint16_t{0}));
 }
 
+Expected<std::string> zipBytes(std::span<const ZipMember> members) {
+  std::string bytes;
+  ZipWriter zip([&bytes](std::string_view piece) { bytes += piece; });
+  for (const auto &[name, content] : members) {
+    if (auto begun = zip.begin(name, content.size()); !begun) return tl::unexpected(begun.error());
+    if (auto added = zip.add(content); !added) return tl::unexpected(added.error());
+    if (auto ended = zip.end(); !ended) return tl::unexpected(ended.error());
+  }
+  zip.finish();
+  return bytes;
+}
+
 }  // namespace c3de::session

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -46,5 +47,12 @@ class ZipWriter {
   std::uint32_t checksum_ = 0;
   bool isLarge_ = false;
 };
+
+struct ZipMember {
+  std::string_view name;  ///< UTF-8, forward slashes
+  std::string_view bytes;
+};
+/// A zip of these members in memory, in this order. Errors: as ZipWriter.
+[[nodiscard]] Expected<std::string> zipBytes(std::span<const ZipMember> members);
 
 }  // namespace c3de::session

@@ -22,13 +22,31 @@ Expected<std::shared_ptr<Recorder>> Recorder::create(const std::filesystem::path
                                                      c3de_object *simulator, RecorderOptions options) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
-  const auto bytes = recordingBytes(start);
-  if (!bytes)
-    return fail(bytes.error().code,
-                fmt::format("{}: could not be recorded: {}", pathText(file), bytes.error().message));
-  auto rows = OutputRows::open(file);
-  if (!rows) return tl::unexpected(rows.error());
-  if (const auto written = rows->add(*bytes); !written) return tl::unexpected(written.error());
+  std::optional<OutputRows> rows;
+  Expected<void> added;
+  // The file is opened after everything that is embedded has been read once.
+  const auto written = writeRecordingStart(
+      start,
+      [&](std::string_view piece) -> Expected<void> {
+        if (!rows) {
+          auto opened = OutputRows::open(file);
+          if (!opened) return added = tl::unexpected(opened.error());
+          rows.emplace(std::move(*opened));
+        }
+        return added = rows->add(piece);
+      },
+      options.progress);
+  if (!written) {
+    std::error_code ignored;
+    if (rows.has_value()) {
+      rows.reset();
+      std::filesystem::remove(file, ignored);
+    }
+    if (!added) return tl::unexpected(added.error());
+    if (written.error().code == ErrorCode::cancelled) return tl::unexpected(written.error());
+    return fail(written.error().code,
+                fmt::format("{}: could not be recorded: {}", pathText(file), written.error().message));
+  }
   std::shared_ptr<Recorder> recorder(
       new Recorder(std::move(*rows), file, start, simulator, *table, std::move(options)));
   recorder->thread_ = std::thread([one = recorder.get()] { one->write(); });
@@ -70,6 +88,7 @@ void Recorder::endWith(const Error &error) {
   const std::lock_guard lock(mutex_);
   if (!error_) error_ = error;
   wake_.notify_one();
+  written_.notify_all();
 }
 
 void Recorder::add(const RecordedEvent &event) {
@@ -122,6 +141,22 @@ void Recorder::addStep() {
     sinceHash_ = 0;
 }
 
+Expected<void> Recorder::addPresent() {
+  for (bool isAdded = hasFailed_; !isAdded;) {
+    const auto added = addHash<RecordedHash>();
+    if (!added) return tl::unexpected(added.error());
+    isAdded = *added;
+  }
+  sinceHash_ = 0;
+  return {};
+}
+
+Expected<void> Recorder::waitUntilWritten() {
+  std::unique_lock lock(mutex_);
+  written_.wait(lock, [this] { return error_ || (queue_.empty() && !isWriting_); });
+  return error_ ? Expected<void>(tl::unexpected(*error_)) : Expected<void>();
+}
+
 Expected<void> Recorder::finish() {
   if (!std::exchange(isFinished_, true)) {
     for (bool isAdded = hasFailed_; !isAdded;) {
@@ -143,15 +178,19 @@ void Recorder::write() {
     wake_.wait(lock, [this] { return isStopping_ || error_ || !queue_.empty(); });
     wake_.wait_for(lock, kLongestWait, [this] { return isStopping_ || error_ || queue_.size() >= kWrittenAtOnce; });
     const std::string batch = std::exchange(queue_, {});
+    isWriting_ = true;
     lock.unlock();
     const auto written = batch.empty() ? Expected<void>() : rows_.add(batch);
     lock.lock();
+    isWriting_ = false;
+    written_.notify_all();
     if (!written && !error_) error_ = written.error();
     if (error_) break;
     if (isStopping_ && queue_.empty()) return;
   }
   queue_.clear();
   hasFailed_ = true;
+  written_.notify_all();
   const Error error = *error_;
   lock.unlock();
   if (options_.onFailure) options_.onFailure(error);
@@ -159,7 +198,7 @@ void Recorder::write() {
 
 Expected<RecordingStart> recordingStart(Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
                                         SimulationSource source, const std::filesystem::path &file,
-                                        std::uint64_t hashEvery, const ProgressFn &progress) {
+                                        std::uint64_t hashEvery, const ProgressFn &progress, Embedding embedding) {
   RecordingStart start;
   start.simulator = identity;
   start.simulator.label.clear();
@@ -167,8 +206,7 @@ Expected<RecordingStart> recordingStart(Session &session, c3de_object *simulator
   const auto captured = captureState(session, simulator, identity, std::move(source));
   if (!captured) return tl::unexpected(captured.error());
   FileReferences references;
-  auto saved =
-      sessionOf(*captured, std::filesystem::absolute(file).parent_path(), references, progress, Embedding::none);
+  auto saved = sessionOf(*captured, std::filesystem::absolute(file).parent_path(), references, progress, embedding);
   if (!saved) return tl::unexpected(saved.error());
   start.session = std::move(*saved);
   return start;

@@ -39,9 +39,9 @@ void addOnce(ReferencedFile reference, SessionFile &saved) {
   if (at == saved.files.end() || at->path != reference.path) saved.files.insert(at, std::move(reference));
 }
 
-std::string utcNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now())); }
-
 }  // namespace
+
+std::string savedNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now())); }
 
 std::vector<std::filesystem::path *> filesOf(scene::SceneFile &scene) {
   std::vector<std::filesystem::path *> all;
@@ -206,7 +206,7 @@ Expected<SessionFile> sessionOf(const CapturedState &captured, const std::filesy
                                 FileReferences &references, const ProgressFn &progress, Embedding embedding) {
   SessionFile saved;
   saved.program = "C3DE " C3DE_VERSION;
-  saved.savedAt = utcNow();
+  saved.savedAt = savedNow();
   saved.simulatorClass = captured.identity.classId;
   for (const auto &entry : captured.source) {
     if (const auto *change = std::get_if<SimulationChange>(&entry)) {
@@ -300,6 +300,37 @@ Expected<FileStamp> stampOfFiles(const SimulationSource &source, const std::vect
   return sum;
 }
 
+namespace {
+
+/// Key of an entry of `files`: the session or recording that the file was extracted from.
+std::string archiveKey(const std::string &path) {
+  return (nlohmann::json::json_pointer() / "files" / path / "archive").to_string();
+}
+
+/// Files that had been extracted, and are not in the cache any more. One whose archive cannot be read stays missing.
+Expected<void> findInArchives(const SessionFile &saved, std::vector<FoundFile> &files, const ProgressFn &progress) {
+  std::map<std::string, std::vector<FoundFile *>> byArchive;
+  for (FoundFile &one : files)
+    if (const auto key = saved.unknown.find(archiveKey(one.file.path));
+        key != saved.unknown.end() && one.state != FoundFile::State::same)
+      if (const auto text = nlohmann::json::parse(key->second, nullptr, false); text.is_string())
+        byArchive[text.get<std::string>()].push_back(&one);
+  for (const auto &[archive, missing] : byArchive)
+    if (auto again = extractAgain(pathFromText(archive), missing, progress);
+        !again && again.error().code == ErrorCode::cancelled)
+      return again;
+  return {};
+}
+
+}  // namespace
+
+void nameArchives(const std::filesystem::path &folder, SessionFile &saved) {
+  for (const ReferencedFile &file : saved.files)
+    if (const fs::path archive = file.isEmbedded ? fs::path() : archiveOf(folder / pathFromText(file.path));
+        !archive.empty())
+      saved.unknown[archiveKey(file.path)] = nlohmann::json(pathText(archive)).dump();
+}
+
 Expected<std::vector<FoundFile>> locateFiles(const SessionFile &saved, const std::filesystem::path &file,
                                              const ProgressFn &progress, const FileSearch &search) {
   auto found = findFiles(saved, std::filesystem::absolute(file).parent_path(), progress);
@@ -311,6 +342,7 @@ Expected<std::vector<FoundFile>> locateFiles(const SessionFile &saved, const std
       one.at = given->second;
       one.state = *hash == one.file.sha256 ? FoundFile::State::same : FoundFile::State::changed;
     }
+  if (auto again = findInArchives(saved, *found, progress); !again) return tl::unexpected(again.error());
   for (const std::filesystem::path &folder : search.folders)
     if (auto searched = searchFolder(folder, *found, progress); !searched) return tl::unexpected(searched.error());
   if (auto extracted = extractEmbedded(file, *found, progress); !extracted) return tl::unexpected(extracted.error());

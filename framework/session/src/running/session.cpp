@@ -2,7 +2,9 @@
 #include "c3de/session/session.h"
 
 #include <algorithm>
+#include <array>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "c3de/core/log.h"
@@ -15,6 +17,7 @@
 #include "c3de/session/plugin_parameters.h"
 #include "c3de/session/recorder.h"
 #include "c3de/session/resources.h"
+#include "c3de/session/session_file.h"
 #include "loading/fitted_scene.h"
 #include "loading/scene_loader.h"
 
@@ -37,18 +40,23 @@ namespace {
 /// Who records a simulation. Any thread.
 class RecorderSlot {
  public:
-  void set(std::shared_ptr<Recorder> recorder) {
+  void set(RecorderUse use, std::shared_ptr<Recorder> recorder) {
     const std::lock_guard lock(mutex_);
-    recorder_ = std::move(recorder);
+    recorders_[static_cast<std::size_t>(use)] = std::move(recorder);
   }
-  [[nodiscard]] std::shared_ptr<Recorder> get() const {
+  [[nodiscard]] std::array<std::shared_ptr<Recorder>, 2> all() const {
     const std::lock_guard lock(mutex_);
-    return recorder_;
+    return recorders_;
+  }
+  template <class Add>
+  void forEach(const Add &add) const {
+    for (const auto &recorder : all())
+      if (recorder) add(*recorder);
   }
 
  private:
   mutable std::mutex mutex_;
-  std::shared_ptr<Recorder> recorder_;
+  std::array<std::shared_ptr<Recorder>, 2> recorders_;  ///< by RecorderUse
 };
 
 }  // namespace
@@ -77,6 +85,7 @@ struct Session::Impl {
   Handle node;
   std::shared_ptr<ChangeLog> changes;       ///< of the present simulation
   std::shared_ptr<RecorderSlot> recording;  ///< same
+  std::set<std::shared_ptr<const void>> usedFiles;
 
   [[nodiscard]] SceneLoader::Services loading() { return {*host, meshes, meshFormats, materials}; }
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
@@ -177,14 +186,30 @@ const scene::MaterialLibrary &Session::materials() const { return impl_->materia
 const std::vector<std::filesystem::path> &Session::pluginFolders() const { return impl_->folders; }
 scene::Simulation *Session::simulation() { return impl_->simulation.get(); }
 std::shared_ptr<ChangeLog> Session::changes() { return impl_->changes; }
-std::shared_ptr<Recorder> Session::recorder() const { return impl_->recording ? impl_->recording->get() : nullptr; }
+void Session::keepInUse(const std::vector<FoundFile> &files) {
+  for (const FoundFile &one : files)
+    if (one.use) impl_->usedFiles.insert(one.use);
+}
 
-std::function<void(std::shared_ptr<Recorder>)> Session::recorderSetter() {
-  return [slot = impl_->recording, changes = impl_->changes](const std::shared_ptr<Recorder> &recorder) {
+std::vector<std::shared_ptr<Recorder>> Session::recorders() const {
+  std::vector<std::shared_ptr<Recorder>> present;
+  if (!impl_->recording) return present;
+  for (auto &recorder : impl_->recording->all())
+    if (recorder) present.push_back(std::move(recorder));
+  return present;
+}
+
+std::function<void(std::shared_ptr<Recorder>)> Session::recorderSetter(RecorderUse use) {
+  return [slot = impl_->recording, changes = impl_->changes, use](const std::shared_ptr<Recorder> &recorder) {
     if (!slot) return;
-    slot->set(recorder);
-    if (recorder)
-      changes->setListener([recorder](const SimulationChange &change) { recorder->addChange(change); });
+    slot->set(use, recorder);
+    bool isRecorded = false;
+    slot->forEach([&isRecorded](const Recorder &) { isRecorded = true; });
+    if (isRecorded)
+      changes->setListener([recorders = slot->all()](const SimulationChange &change) {
+        for (const auto &one : recorders)
+          if (one) one->addChange(change);
+      });
     else
       changes->setListener({});
   };
@@ -279,11 +304,11 @@ std::shared_ptr<RecorderSlot> Session::Impl::connect(Handle at, const std::strin
   to->setBeforeStep(
       [fields = &forces, at, object = to->object(), table = to->table()] { return fields->apply(at, object, table); });
   to->setAfterStep([all = &simulations, at, slot](const c3de_sim_status &status) {
-    if (const auto recorder = slot->get()) recorder->addStep();
+    slot->forEach([](Recorder &recorder) { recorder.addStep(); });
     all->stepped(at, status);
   });
   to->setAfterReset([slot](const c3de_sim_status &before) {
-    if (const auto recorder = slot->get()) recorder->addReset(before.steps);
+    slot->forEach([&before](Recorder &recorder) { recorder.addReset(before.steps); });
   });
   simulations.add(at, title, to);
   return slot;

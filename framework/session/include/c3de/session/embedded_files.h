@@ -22,9 +22,17 @@ namespace c3de::session {
 /// Their SHA-256 is checked in both cases. Extracted files stay while a program uses them, and for a week after that.
 /// Any thread, several programs at a time. Errors: input, naming a member that is damaged or has another hash; output,
 /// if the files cannot be written or the disk has not enough space; cancelled, if `progress` returns false.
-/// @param session  the archive
+/// @param session  a session or a recording
 [[nodiscard]] Expected<void> extractEmbedded(const std::filesystem::path &session, std::vector<FoundFile> &files,
                                              const ProgressFn &progress = {});
+
+/// The session or recording that a file was extracted from; empty: unknown.
+[[nodiscard]] std::filesystem::path archiveOf(const std::filesystem::path &extracted);
+
+/// Extracts the embedded files of `archive` again, and finds those of `files` among them that are missing or have
+/// changed, by SHA-256. Errors: as extractEmbedded(), and those of readSession().
+[[nodiscard]] Expected<void> extractAgain(const std::filesystem::path &archive, std::vector<FoundFile *> files,
+                                          const ProgressFn &progress = {});
 
 /// Removes extracted files that no program uses and that were last used a week before `now`. extractEmbedded() calls
 /// it.

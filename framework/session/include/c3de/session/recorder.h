@@ -19,6 +19,7 @@
 #include "c3de/core/progress.h"
 #include "c3de/session/change_log.h"
 #include "c3de/session/recording_file.h"
+#include "c3de/session/saved_session.h"
 #include "c3de/session/simulator_access.h"
 
 namespace c3de::session {
@@ -28,6 +29,7 @@ class Session;
 struct RecorderOptions {
   /// Called once if the recording ends with an error, on the thread that writes; must not destroy the recorder.
   std::function<void(const Error &)> onFailure;
+  ProgressFn progress;                             ///< of the files that are embedded; create() only
   std::size_t queueBytes = std::size_t{64} << 20;  ///< that wait for the disk; beyond that the recording ends
 };
 
@@ -36,7 +38,7 @@ struct RecorderOptions {
 /// simulation.
 class Recorder {
  public:
-  /// Writes the start; replaces an existing file. Errors: output; usage, as sessionBytes().
+  /// Writes the start; replaces an existing file. Errors: output; those of writeRecordingStart(), which leave no file.
   [[nodiscard]] static Expected<std::shared_ptr<Recorder>> create(const std::filesystem::path &file,
                                                                   const RecordingStart &start, c3de_object *simulator,
                                                                   RecorderOptions options = {});
@@ -51,6 +53,11 @@ class Recorder {
   void addReset(std::uint64_t steps);              ///< [sim]
   void addState(std::uint64_t steps, std::string bytes);              ///< as stateBytes() gives it [sim]
   void addScene(std::uint64_t steps, const SessionFile &ofOneScene);  ///< of a session with one scene [sim]
+
+  /// Records a state hash of the present state. Errors: the one that ended the recording; the simulator's. [sim]
+  [[nodiscard]] Expected<void> addPresent();
+  /// Waits until what was added before is in the file. Errors: the one that ended the recording. Any thread.
+  [[nodiscard]] Expected<void> waitUntilWritten();
 
   /// True: it has ended with an error, which finish() returns. Any thread.
   [[nodiscard]] bool hasFailed() const { return hasFailed_; }
@@ -79,10 +86,10 @@ class Recorder {
   bool isFinished_ = false;                 ///< [sim]
 
   std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_, written_;
   std::string queue_;
   std::uint64_t changes_ = 0;
-  bool isStopping_ = false;
+  bool isStopping_ = false, isWriting_ = false;
   std::optional<Error> error_;
   std::atomic<bool> hasFailed_{false};
   std::thread thread_;
@@ -94,6 +101,7 @@ class Recorder {
 [[nodiscard]] Expected<RecordingStart> recordingStart(Session &session, c3de_object *simulator,
                                                       const SimulatorIdentity &identity, SimulationSource source,
                                                       const std::filesystem::path &file, std::uint64_t hashEvery,
-                                                      const ProgressFn &progress = {});
+                                                      const ProgressFn &progress = {},
+                                                      Embedding embedding = Embedding::extracted);
 
 }  // namespace c3de::session

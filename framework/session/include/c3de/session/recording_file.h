@@ -3,11 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
 #include "c3de/session/change_log.h"
 #include "c3de/session/session_file.h"
 #include "c3de/session/simulator_identity.h"
@@ -86,15 +89,24 @@ struct Recording {
   [[nodiscard]] std::string whyIncomplete() const;
 };
 
+/// Of a recording without a scene, which cannot be replayed.
+inline constexpr const char *kNothingToReplay =
+    "is a report without a simulation; accepted: a recording with one. c3de info shows its log and versions";
+
 /// Whether the file name has the extension of a recording (".c3dr").
 [[nodiscard]] bool isRecordingPath(const std::filesystem::path &path);
 
-/// The first bytes of a recording. Errors: usage, as sessionBytes().
+/// The first bytes of a recording. Errors: as sessionBytes().
 [[nodiscard]] Expected<std::string> recordingBytes(const RecordingStart &start);
+/// The same in pieces. Embedded files are read and packed twice, because a record begins with its size. Errors: as
+/// sessionBytes(), and those of the sink; cancelled, if `progress` returns false.
+[[nodiscard]] Expected<void> writeRecordingStart(const RecordingStart &start,
+                                                 const std::function<Expected<void>(std::string_view)> &sink,
+                                                 const ProgressFn &progress = {});
 /// The bytes of one event, which follow. Errors: usage, as sessionBytes(); only of a RecordedScene.
 [[nodiscard]] Expected<std::string> recordingBytes(const RecordedEvent &event);
 
-/// Reads a recording completely, into memory. One that ends within a record is read up to the record before. Errors
+/// Reads a recording into memory, except embedded files, which stay in it (EmbeddedContent::stays). One that ends within a record is read up to the record before. Errors
 /// (input) name the file, and the record with its place: no recording, a newer format, a record of an unknown type or
 /// with another checksum, more than the free memory. Any thread.
 [[nodiscard]] Expected<Recording> readRecording(const std::filesystem::path &path);

@@ -31,7 +31,7 @@ struct RunOptions {
   std::filesystem::path exportList, exportSurface;   ///< empty: not requested
   std::filesystem::path fromState, saveState;        ///< empty: not requested
   std::filesystem::path saveSession;                 ///< empty: not requested
-  bool embed = false;                                ///< that session has the content of all files
+  bool embed = false;                                ///< session and recording have the content of all files
   std::vector<std::filesystem::path> search{};       ///< folders with files of a session that have moved
   std::filesystem::path record;                      ///< empty: not requested
   std::uint64_t recordHashEvery = kDefaultHashEvery;

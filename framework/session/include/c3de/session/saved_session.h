@@ -104,6 +104,13 @@ void keepUnknown(const SessionFile &opened, SessionFile &saved);
                                                const std::vector<std::filesystem::path> &shown,
                                                const ProgressFn &progress = {});
 
+/// Adds to files that were extracted from a session or a recording where that is. locateFiles() extracts them from there
+/// again after the cache has been cleaned. @param folder  of the session file
+void nameArchives(const std::filesystem::path &folder, SessionFile &saved);
+
+/// SessionFile::savedAt of a session that is saved now.
+[[nodiscard]] std::string savedNow();
+
 /// Where files of a session may be, besides their path and the folder of the session.
 struct FileSearch {
   std::map<std::string, std::filesystem::path> instead{};  ///< files to use, by ReferencedFile::path

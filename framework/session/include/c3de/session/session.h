@@ -38,6 +38,12 @@ inline constexpr const char *kJobOwner = "c3de";
 
 class BodySources;
 class Recorder;
+struct FoundFile;
+/// A simulation has at most one recorder of each.
+enum class RecorderUse {
+  file,  ///< that the user has asked for
+  past   ///< for a report about a problem
+};
 
 struct SessionOptions {
   bool searchPlugins = true;                         ///< in folders; false: only the plugins in pluginFiles
@@ -128,9 +134,12 @@ class Session {
   /// steps, or before it runs.
   void setRecorder(std::shared_ptr<Recorder> recorder) { recorderSetter()(std::move(recorder)); }
   /// The same as a function to call on the simulation's thread. Main thread.
-  [[nodiscard]] std::function<void(std::shared_ptr<Recorder>)> recorderSetter();
-  /// Null: the present simulation is not recorded. Any thread.
-  [[nodiscard]] std::shared_ptr<Recorder> recorder() const;
+  [[nodiscard]] std::function<void(std::shared_ptr<Recorder>)> recorderSetter(RecorderUse use = RecorderUse::file);
+  /// Those of the present simulation. Any thread.
+  [[nodiscard]] std::vector<std::shared_ptr<Recorder>> recorders() const;
+  /// Files that have been extracted stay until the session ends: undo and a return may build what uses them. Main
+  /// thread.
+  void keepInUse(const std::vector<FoundFile> &files);
   /// Ends the present simulation: its thread, its node, messages about it. No effect without one. Main thread.
   void closeSimulation();
 

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "c3de/core/expected.h"
@@ -93,15 +95,18 @@ struct SessionFile {
 [[nodiscard]] std::string embeddedName(const ReferencedFile &file);
 
 /// Writes a session. Equal content gives equal bytes (with one version of zlib). The file appears complete, after it is
-/// on the disk; the former file stays on every error, also if the power fails. Needs memory for the packed session. Any
+/// on the disk; the former file stays on every error, also if the power fails. Any
 /// thread. Errors: output, naming file and reason; usage, naming what a session cannot contain (a member that has the
 /// name of another or leads out of the session, text that is not UTF-8, a number that is not finite, an embedded file
 /// without its member); input, if the content of SessionFile::embedded is not that of its hash; cancelled, if
 /// `progress` returns false. Files of SessionFile::embedded are read and packed in pieces and need no memory.
 [[nodiscard]] Expected<void> writeSession(const SessionFile &session, const std::filesystem::path &path,
                                           const ProgressFn &progress = {});
-/// The bytes of that file. Errors: usage, as writeSession(), and a session with SessionFile::embedded.
+/// The bytes of that file. Errors: as writeSession(), without the name of the file.
 [[nodiscard]] Expected<std::string> sessionBytes(const SessionFile &session);
+/// The same in pieces, from the first byte to the last.
+[[nodiscard]] Expected<void> packSession(const SessionFile &session, const std::function<void(std::string_view)> &sink,
+                                         const ProgressFn &progress = {});
 
 /// What happens to the members of embedded files.
 enum class EmbeddedContent {
