@@ -66,7 +66,7 @@ void SimulationController::reportFailure() {
     panels_.notify(C3DE_LOG_ERROR, "The simulation stopped",
                    why + "\nThe last good state is shown. Reset (" + keyOf(ui::Command::reset) +
                        ") goes back to the initial state.",
-                   {}, registry::About::simulation);
+                   {{"Save a report…", saveReport_}}, registry::About::simulation);
   }
   hasReportedFailure_ = hasFailed;
 }
@@ -80,7 +80,7 @@ void SimulationController::reportAbortedSteps() {
     panels_.notify(C3DE_LOG_WARN, "Paused: a step took too long",
                    now.why + "\n" + keyOf(ui::Command::playPause) + " tries it again, " + keyOf(ui::Command::reset) +
                        " goes back to the initial state.",
-                   {}, registry::About::simulation);
+                   {{"Save a report…", saveReport_}}, registry::About::simulation);
   abortedSteps_ = now.steps;
 }
 

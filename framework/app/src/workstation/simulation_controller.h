@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "app.h"
 #include "c3de/registry/panel_registry.h"
@@ -14,7 +16,9 @@ namespace c3de::app {
 /// Transport, rate and simulator class as the window chooses them; the state that it shows. Main thread.
 class SimulationController {
  public:
-  SimulationController(Session &session, registry::PanelRegistry &panels) : session_(session), panels_(panels) {}
+  /// @param saveReport  opens the dialog that saves a report about a problem
+  SimulationController(Session &session, registry::PanelRegistry &panels, std::function<void()> saveReport)
+      : session_(session), panels_(panels), saveReport_(std::move(saveReport)) {}
 
   /// Adds the actions of the simulation menu and the toolbar.
   void connect(ui::WindowActions &actions);
@@ -30,6 +34,7 @@ class SimulationController {
 
   Session &session_;
   registry::PanelRegistry &panels_;
+  std::function<void()> saveReport_;
   double targetRate_ = 1.0;
   bool hasReportedFailure_ = false;
   std::uint64_t abortedSteps_ = 0;

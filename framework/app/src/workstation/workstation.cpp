@@ -34,6 +34,7 @@
 #include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
 #include "workstation/replay_controller.h"
+#include "workstation/report_controller.h"
 #include "workstation/session_controller.h"
 #include "workstation/simulation_controller.h"
 #include "workstation/simulation_history.h"
@@ -94,6 +95,7 @@ class Workstation {
   void showLatestResults();
   void onFailed(const std::string &title, const Error &error);
 
+  KeptLog keptLog_;
   std::optional<CrashJournal> journal_;
   registry::PanelRegistry panels_;
   registry::ParameterRegistry parameters_;
@@ -113,6 +115,7 @@ class Workstation {
   std::optional<ExportController> exports_;
   std::optional<RecordingController> recording_;
   std::optional<ReplayController> replay_;
+  std::optional<ReportController> report_;
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
   std::unique_ptr<Session> session_;
@@ -178,7 +181,7 @@ Expected<void> Workstation::createSession(SessionOptions &options) {
 void Workstation::createControllers() {
   Session &session = *session_;
   const ReportError failed = [this](const std::string &title, const Error &error) { onFailed(title, error); };
-  simulation_.emplace(session, panels_);
+  simulation_.emplace(session, panels_, [this] { window_->openReport(); });
   loader_.emplace(session, WorkstationLoader::Events{
                                [this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); }, failed});
   WorkstationImages::Events events;
@@ -208,8 +211,13 @@ void Workstation::createControllers() {
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
                                                 [this](const auto &file) { replay_->openPast(file); }});
   replay_.emplace(ReplayController::Parts{
-      session, panels_, tools_, *loader_, failed, [this] { sessions_->onMade(false); }, *window_, *renderer_,
-      [this] { return !warp_->isBehind() && !tissueTable_->tracker().isBehind(); }});
+      session, panels_, tools_, *loader_, failed,
+      [this] {
+        sessions_->onMade(false);
+        report_->begin(true);
+      },
+      *window_, *renderer_, [this] { return !warp_->isBehind() && !tissueTable_->tracker().isBehind(); }});
+  report_.emplace(ReportController::Parts{session, panels_, parameters_, keptLog_, renderer_->description(), failed});
   sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
@@ -240,6 +248,7 @@ ui::WindowActions Workstation::actions() {
   simulation_->connect(actions);
   exports_->connect(actions);
   recording_->connect(actions);
+  report_->connect(actions);
   sessions_->connect(actions);
   recent_->connect(actions);
   plugins_->connect(actions, session_->plugins(),
@@ -288,6 +297,7 @@ void Workstation::run() {
     window_->drawFrame(*renderer_, simulation);
   }
   recording_->finish();
+  report_->stop();
   sessions_->stop(wasInterrupted());
   recent_->stop();
   window_->writeAutomationState();
@@ -383,6 +393,7 @@ void Workstation::removeSimulation() {
   tools_.cancelActive();
   recording_->end("The simulation was closed.");
   replay_->end();
+  report_->end();
   session_->closeSimulation();
   loadedFiles_.clear();
   warp_->setSettings({});
@@ -396,6 +407,7 @@ void Workstation::onBodiesJoined(bool isNew) {
   if (isNew) replay_->end();
   if (isNew) simulation_->applyTargetRate();
   sessions_->onMade(isNew);
+  report_->begin(false);
   if (isNew) loadedFiles_.clear();
   // Bodies that existed before restart.
   const std::shared_ptr<const std::vector<TissueVoxels>> stay = isNew ? nullptr : tissueTable_->tracker().bodies();
@@ -425,6 +437,10 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   const bool isUndo = loaded.session && !loaded.session->action.empty();
   const bool isPast = present == ReplayController::Present::replay && replay_->hasKept();
   if (present == ReplayController::Present::keptOne) recording_->onReturned();
+  if (present == ReplayController::Present::replay)
+    report_->end();
+  else
+    report_->begin(loaded.session && !loaded.session->saved.state.empty());
   // The past of the present simulation, and back from it: its file stays the same.
   if (isPast || present == ReplayController::Present::keptOne)
     sessions_->onReplaced();

@@ -66,6 +66,14 @@ struct StretchDialog {
   std::vector<std::filesystem::path> toReplace;  ///< the user has been asked about them
 };
 
+/// The dialog that saves a report about a problem.
+struct ReportDialog {
+  bool isShown = false;
+  bool isMeasured = false;  ///< counting was requested
+  ReportRequest wanted;
+  std::array<char, 8192> description{};
+};
+
 /// Exists as long as the window.
 struct WindowState {
   TooltipTimer tooltip;
@@ -84,6 +92,7 @@ struct WindowState {
   Dock dock;
   StartPageState startPage;
   StretchDialog stretch;
+  ReportDialog report;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
   AnchoredPanel sideRows;                 ///< of the side panel
   std::vector<PixelRect> overlays;        ///< over the view, of the last frame: they receive the mouse

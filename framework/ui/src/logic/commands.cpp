@@ -108,6 +108,8 @@ constexpr CommandInfo kCommands[] = {
      0, 'P', C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
     {Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keyboard and mouse", 0, 'H', 0, keyF1},
     {Command::showMessages, "help.messages", "Messages", "All messages since the start"},
+    {Command::saveReport, "help.save_report", "Save a report…",
+     "A file about a problem: recording, log and versions, for those who can solve it"},
     {Command::showAbout, "help.about", "About", "Versions and graphics"},
 };
 

@@ -46,6 +46,8 @@ void drawRegionBar(FrameContext &frame, const PixelRect &area);
 void drawTimelineBar(FrameContext &frame, const PixelRect &area);
 /// Dialog that exports a stretch of the recording, while it is open.
 void drawStretchDialog(FrameContext &frame);
+/// Dialog that saves a report about a problem, while it is open.
+void drawReportDialog(FrameContext &frame);
 /// Shows state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 

@@ -271,6 +271,10 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::showShortcuts: frame.state.showShortcuts = true; break;
     case Command::showMessages: frame.state.showMessages = true; break;
     case Command::managePlugins: frame.state.showPlugins = true; break;
+    case Command::saveReport:
+      frame.state.report.isShown = true;
+      frame.state.report.isMeasured = false;
+      break;
     case Command::showAbout: frame.state.showAbout = true; break;
   }
 }

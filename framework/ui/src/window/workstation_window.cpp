@@ -179,6 +179,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawScanBody(context);
   drawMissingFiles(context);
   drawStretchDialog(context);
+  drawReportDialog(context);
   drawQuestion(context);
 }
 
@@ -400,6 +401,11 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
 void WorkstationWindow::wake() { impl_->window->wake(); }
 bool WorkstationWindow::closeRequested() const { return impl_->window->closeRequested(); }
 void WorkstationWindow::closeWhen(std::function<bool()> isAskedToEnd) { impl_->isAskedToEnd = std::move(isAskedToEnd); }
+void WorkstationWindow::openReport() {
+  impl_->state.report.isShown = true;
+  impl_->state.report.isMeasured = false;
+  wake();
+}
 void WorkstationWindow::requestClose() { impl_->window->requestClose(); }
 render::Camera &WorkstationWindow::camera() { return impl_->camera; }
 int WorkstationWindow::viewWidth() const {

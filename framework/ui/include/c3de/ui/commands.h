@@ -64,6 +64,7 @@ enum class Command {
   managePlugins,
   showShortcuts,
   showMessages,
+  saveReport,
   showAbout
 };
 

@@ -92,6 +92,19 @@ struct ReplayActions {
 inline constexpr const char *kReplayLocks =
     "A recording is replayed, and nothing can be changed. Continue from here, in the bar below, ends the replay.";
 
+/// What the user wants in a report about a problem.
+struct ReportRequest {
+  std::string description;  ///< what happened
+  bool hasImage = false;    ///< the images of the simulation are in it
+};
+/// What a report would contain.
+struct ReportContents {
+  bool isMeasured = false;
+  std::string recording;            ///< "from t = 0 s to t = 1.2 s, 300 steps", or why there is none
+  std::string size, sizeWithImage;  ///< before compression
+  bool needsImage = false;          ///< without images the recording cannot be in it
+};
+
 /// Requests of the window to the program. Called on the main thread, in drawFrame().
 struct WindowActions {
   std::function<void(const OpenRequest &)> open;
@@ -122,6 +135,9 @@ struct WindowActions {
   std::function<void(std::function<void(const std::string &)> measured)> measureSession;
   std::function<void(const std::filesystem::path &)> startRecording;
   std::function<void()> stopRecording, showTimeline;
+  std::function<void(const ReportRequest &, const std::filesystem::path &)> saveReport;
+  std::function<void()> measureReport;  ///< begins to count; the result is in reportContents
+  std::function<const ReportContents &()> reportContents;
   ReplayActions replay;
   std::function<std::filesystem::path()> sessionFile;    ///< empty: not saved yet
   std::function<std::string()> title;                    ///< of the window
@@ -192,6 +208,8 @@ class WorkstationWindow {
   /// Closes the window, without a question, once the function returns true. It is called at least once a second.
   void closeWhen(std::function<bool()> isAskedToEnd);
   void requestClose();
+  /// Opens the dialog that saves a report about a problem, as its command does.
+  void openReport();
 
   [[nodiscard]] render::Camera &camera();
   /// Size of the 3D view in framebuffer pixels; size of all views while it is hidden.
