@@ -15,6 +15,7 @@
 #include "c3de/core/text.h"
 #include "c3de/session/embedded_files.h"
 #include "c3de/ui/file_browser.h"
+#include "workstation/measurement_controller.h"
 #include "workstation/workstation_export.h"
 
 namespace c3de::app {
@@ -62,12 +63,14 @@ void SessionController::connect(ui::WindowActions &actions) {
 
 SessionController::Baseline SessionController::present() const {
   scene::Simulation *simulation = parts_.session.simulation();
-  if (simulation == nullptr) return {};
-  return {serial_, parts_.session.changes()->count(), simulation->state().steps};
+  const std::uint64_t measurements = parts_.measurements.revision();
+  if (simulation == nullptr) return {0, 0, 0, measurements};
+  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements};
 }
 
 bool SessionController::isModified() const {
-  return parts_.session.simulation() != nullptr && (!baseline_ || *baseline_ != present());
+  if (parts_.session.simulation() != nullptr) return !baseline_ || *baseline_ != present();
+  return !parts_.measurements.set().isEmpty() && (!baseline_ || baseline_->measurements != present().measurements);
 }
 
 std::string SessionController::title() const {
@@ -90,6 +93,7 @@ ShownView SessionController::shownView() const {
     shown.view.window = views.options().windowLevel.window;
     shown.view.level = views.options().windowLevel.level;
   }
+  if (parts_.measurements.revision() != 0) shown.view.measurements = savedOf(parts_.measurements.set());
   const render::Camera &camera = parts_.window.camera();
   shown.view.camera = SessionView::CameraPose{camera.focus, camera.yaw, camera.pitch, camera.distance};
   return shown;
@@ -251,6 +255,7 @@ void SessionController::begin() {
 void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session,
                                  const std::string &notRestored) {
   if (session && !session->action.empty()) return onReplaced();
+  if (session && session->saved.view.measurements) parts_.measurements.assign(setOf(*session->saved.view.measurements));
   begin();
   const bool isRecovered = session && session->file.parent_path() == recoveryFolder();
   if (!isRecovered) baseline_ = present();
@@ -280,6 +285,7 @@ void SessionController::onMade(bool isNew) {
 /// Camera at once, the rest when the image is shown.
 void SessionController::showView(const WorkstationLoader::OpenedSession &opened) {
   const SessionView &view = opened.saved.view;
+  if (view.measurements) parts_.measurements.assign(setOf(*view.measurements));
   pendingView_ = view;
   // A scene with an image has opened it.
   const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();

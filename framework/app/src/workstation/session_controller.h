@@ -13,6 +13,7 @@
 #include "c3de/registry/panel_registry.h"
 #include "c3de/session/saved_session.h"
 #include "c3de/session/session.h"
+#include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
 #include "workstation/messages.h"
 #include "workstation/missing_files_controller.h"
@@ -32,6 +33,7 @@ class SessionController {
     WorkstationLoader &loader;
     WorkstationImages &images;
     ui::WorkstationWindow &window;
+    ui::MeasurementList &measurements;
     ReportError failed;
   };
   explicit SessionController(Parts parts);
@@ -50,7 +52,7 @@ class SessionController {
   void onClosed();
   /// Of the present session; empty: not saved yet.
   [[nodiscard]] const std::filesystem::path &file() const { return file_; }
-  /// Whether the present simulation differs from its file.
+  /// Whether the present simulation, or what is measured, differs from its file.
   [[nodiscard]] bool isModified() const;
   /// Called about once a second: writes what is not saved yet to the recovery file.
   void autosaveIfDue();
@@ -73,6 +75,7 @@ class SessionController {
   struct Baseline {
     std::uint64_t simulation = 0;  ///< serial
     std::uint64_t changes = 0, steps = 0;
+    std::uint64_t measurements = 0;  ///< revision
     friend bool operator==(const Baseline &, const Baseline &) = default;
   };
 

@@ -30,6 +30,7 @@
 #include "commands/last_crash.h"
 #include "workstation/body_creation_controller.h"
 #include "workstation/export_controller.h"
+#include "workstation/measurement_controller.h"
 #include "workstation/plugin_problems.h"
 #include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
@@ -116,6 +117,7 @@ class Workstation {
   std::optional<RecordingController> recording_;
   std::optional<ReplayController> replay_;
   std::optional<ReportController> report_;
+  std::optional<MeasurementController> measurements_;
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
   std::unique_ptr<Session> session_;
@@ -198,6 +200,7 @@ void Workstation::createControllers() {
     history_->captureBefore([this, scene] { bodyCreation_->createScanBody(scene); });
   };
   events.closeSimulation = [this] { closeSimulation(); };
+  events.selectionRestored = [this] { sessions_->onSelectionRestored(); };
   events.askForLabelFile = [this] { window_->request(ui::Command::saveLabels); };
   images_.emplace(session, *renderer_, panels_, tools_, std::move(events));
   tissueTable_.emplace(images_->views(), [this] { window_->wake(); });
@@ -218,22 +221,26 @@ void Workstation::createControllers() {
       },
       *window_, *renderer_, [this] { return !warp_->isBehind() && !tissueTable_->tracker().isBehind(); }});
   report_.emplace(ReportController::Parts{session, panels_, parameters_, keptLog_, renderer_->description(), failed});
-  sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, failed});
+  measurements_.emplace(
+      MeasurementController::Parts{session, panels_, edits_, tools_, *images_, *window_, *renderer_, failed});
+  sessions_.emplace(
+      SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(), failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
   tissueSurfaces_.emplace(session, *renderer_);
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
+    measurements_->onPublished(simulation);
   });
 }
 
 void Workstation::connectWindow() {
-  window_->connect(
-      {&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-       &images_->workflow(), &images_->brush(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_,
-       &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); }, &sessions_->missingFiles()},
-      actions());
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+                    &images_->workflow(), &images_->brush(), &images_->scanBody(), &tissueTable_->table(), &edits_,
+                    &commands_, &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); },
+                    &sessions_->missingFiles(), &measurements_->list(), &measurements_->tools()},
+                   actions());
   tools_.setMarkedPoint([this] {
     const ui::ImageViews &views = images_->views();
     return views.image() ? views.crossHair() : window_->camera().focus;
@@ -247,6 +254,7 @@ ui::WindowActions Workstation::actions() {
   ui::WindowActions actions;
   simulation_->connect(actions);
   exports_->connect(actions);
+  measurements_->connect(actions);
   recording_->connect(actions);
   report_->connect(actions);
   sessions_->connect(actions);
@@ -323,7 +331,9 @@ void Workstation::open(const ui::OpenRequest &request) {
     if (request.files.size() > 1)
       return onFailed("Could not open " + pathText(saved->filename()),
                       {ErrorCode::usage, "is opened alone; accepted: one session or one recording"});
-    return isSessionPath(*saved) ? sessions_->open(*saved) : replay_->open(*saved);
+    if (isSessionPath(*saved)) return sessions_->open(*saved);
+    // Work that is not saved is kept, as that before a timeline.
+    return sessions_->isModified() ? replay_->openPast(*saved) : replay_->open(*saved);
   }
   if (!images.empty() && request.areLabels)
     images_->openLabels(images.front());
@@ -345,14 +355,14 @@ RecentFilesController::Shown Workstation::shownFiles() const {
 /// What quitting would lose.
 std::string Workstation::unsaved() {
   std::string text;
+  const SessionController::Unsaved unsaved = sessions_->unsaved();
   const auto add = [&](const std::string &line) { text += (text.empty() ? "" : "\n") + line; };
-  if (const scene::Simulation *simulation = session_->simulation();
-      simulation && sessions_->isModified() && !replay_->isReplaying())
+  if (const scene::Simulation *simulation = session_->simulation(); unsaved.simulation && !replay_->isReplaying())
     add("The simulation, at t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s, has changes that are not saved.");
+  if (unsaved.measurements) add("The measurements are not saved.");
   if (replay_->hasKept()) add("The simulation from before the timeline was shown is not saved.");
-  if (const segmentation::SegmentationWorkflow &workflow = images_->workflow();
-      !images_->isMaskSaved() && (workflow.mask().mask() || !workflow.pickedLabels().empty()))
+  if (unsaved.selection && !images_->isMaskSaved())
     add("What is picked in the image is not saved, and no body has been created of it.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
@@ -395,6 +405,7 @@ void Workstation::removeSimulation() {
   replay_->end();
   report_->end();
   session_->closeSimulation();
+  measurements_->onRemoved();
   loadedFiles_.clear();
   warp_->setSettings({});
   images_->onBodiesRemoved();
@@ -406,6 +417,7 @@ void Workstation::removeSimulation() {
 void Workstation::onBodiesJoined(bool isNew) {
   if (isNew) replay_->end();
   if (isNew) simulation_->applyTargetRate();
+  measurements_->onBodiesChanged();
   sessions_->onMade(isNew);
   report_->begin(false);
   if (isNew) loadedFiles_.clear();
@@ -434,6 +446,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   simulation_->applyTargetRate();
   recording_->end("Another simulation is open.");
   const ReplayController::Present present = replay_->onLoaded(loaded.session);
+  measurements_->onLoaded(loaded);
   const bool isUndo = loaded.session && !loaded.session->action.empty();
   const bool isPast = present == ReplayController::Present::replay && replay_->hasKept();
   if (present == ReplayController::Present::keptOne) recording_->onReturned();
@@ -467,6 +480,7 @@ void Workstation::showLatestResults() {
   TissueTracker &tracker = tissueTable_->tracker();
   warp_->showLatest();
   tissueTable_->update();
+  measurements_->update();
   tissueSurfaces_->update(tracker);
   scene::Simulation *simulation = session_->simulation();
   if ((warp_->isBehind() || tracker.isBehind()) && simulation && simulation->state().mode != C3DE_SIM_PLAYING)

@@ -149,6 +149,52 @@ std::string followingBody(c3de_object *simulator, const std::vector<std::string>
   return {};
 }
 
+/// A body as it is now.
+struct PresentSkin {
+  ReferenceSkin skin;
+  std::vector<Vec3> vertices, shifts_mm;  ///< displacement of each vertex
+
+  /// Of the nearest vertex.
+  [[nodiscard]] Vec3 shiftAt(const Vec3 &at_mm) const {
+    std::size_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+      if (const double away = norm(vertices[v] - at_mm); away < least) least = away, nearest = v;
+    return shifts_mm.empty() ? Vec3{} : shifts_mm[nearest];
+  }
+};
+
+Vec3 solved(const std::array<Vec3, 3> &columns, const Vec3 &right) {
+  const double det = dot(columns[0], cross(columns[1], columns[2]));
+  if (std::abs(det) < 1e-6) return right;
+  return {dot(right, cross(columns[1], columns[2])) / det, dot(columns[0], cross(right, columns[2])) / det,
+          dot(columns[0], cross(columns[1], right)) / det};
+}
+
+/// Newton's method on the motion of the body, from a first guess; the guess where the simulator cannot follow it.
+Vec3 referenceIn(c3de_object *simulator, const std::string &body, const Vec3 &now_m, const Vec3 &guess_m,
+                 double spacing_m, const TakeError &takeError) {
+  constexpr int kMostSteps = 20;
+  constexpr double kClose_m = 1e-9;
+  const double h = 0.02 * spacing_m;
+  Vec3 at = guess_m, best = guess_m;
+  double least = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kMostSteps && least > kClose_m; ++step) {
+    const std::vector<SamplePoint> tried{
+        {body, at, 0}, {body, at + Vec3{h, 0, 0}, 0}, {body, at + Vec3{0, h, 0}, 0}, {body, at + Vec3{0, 0, h}, 0}};
+    const auto moved = positionsOf(simulator, tried, "point", takeError);
+    if (!moved) break;
+    const Vec3 residual = (*moved)[0] - now_m;
+    if (norm(residual) >= least) break;
+    least = norm(residual);
+    best = at;
+    std::array<Vec3, 3> columns;
+    for (std::size_t a = 0; a < 3; ++a) columns[a] = (1.0 / h) * ((*moved)[a + 1] - (*moved)[0]);
+    at = at - solved(columns, residual);
+  }
+  return best;
+}
+
 std::vector<SamplePoint> pointsOf(const std::vector<Landmark> &landmarks) {
   std::vector<SamplePoint> points;
   for (const Landmark &one : landmarks)
@@ -241,6 +287,59 @@ Expected<void> findBodies(c3de_object *simulator, const scene::SceneFile &scene,
     landmarks[i].body.clear();
   }
   return {};
+}
+
+Expected<std::vector<Vec3>> referencesOf(c3de_object *simulator, const std::vector<Vec3> &now_mm,
+                                         const std::function<std::string()> &takeError) {
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  const auto states = readBodyStates(simulator, BodyParts::skin, takeError);
+  if (!states) return tl::unexpected(states.error());
+  std::vector<PresentSkin> skins;
+  for (std::size_t i = 0; i < states->size(); ++i) {
+    const BodyState &body = (*states)[i];
+    c3de_handle handle{};
+    c3de_sim_body_info info{};
+    info.size = sizeof info;
+    if (body.skin.triangles.empty() || (*table)->body_at(simulator, i, &handle) < 0 ||
+        (*table)->body_info(simulator, handle, &info) < 0)
+      continue;
+    auto tree = collision::AabbTree::build(body.skin.vertices, body.skin.triangles);
+    if (!tree) return fail(ErrorCode::plugin, "the skin of body '" + body.name + "': " + tree.error().message);
+    const geometry::TriangleMesh reference = referenceOf(body);
+    std::vector<Vec3> shifts;
+    for (std::size_t v = 0; v < reference.vertices.size(); ++v)
+      shifts.push_back(body.skin.vertices[v] - reference.vertices[v]);
+    skins.push_back(
+        {{body.name, info.spacing_m * kMillimetresPerMetre, geometry::WindingNumber(body.skin), std::move(*tree)},
+         body.skin.vertices,
+         std::move(shifts)});
+  }
+  std::vector<Vec3> out;
+  for (const Vec3 &now : now_mm) {
+    const PresentSkin *nearest = nullptr;
+    double least_mm = std::numeric_limits<double>::infinity();
+    for (const PresentSkin &one : skins)
+      if (const double away = one.skin.distance(now); away <= one.skin.spacing_mm && away < least_mm)
+        least_mm = away, nearest = &one;
+    if (!nearest) {
+      out.push_back(now);
+      continue;
+    }
+    constexpr double kMetres = 1.0 / kMillimetresPerMetre;
+    const Vec3 guess_mm = now - nearest->shiftAt(now);
+    // Exactly where it is, if the body has not moved there.
+    if (norm(now - guess_mm) == 0.0) {
+      const auto same = positionsOf(simulator, {{nearest->skin.body, kMetres * now, 0}}, "point", takeError);
+      if (!same || norm(same->front() - kMetres * now) < 1e-12) {
+        out.push_back(now);
+        continue;
+      }
+    }
+    out.push_back(kMillimetresPerMetre * referenceIn(simulator, nearest->skin.body, kMetres * now, kMetres * guess_mm,
+                                                     kMetres * nearest->skin.spacing_mm, takeError));
+  }
+  return out;
 }
 
 Expected<Measurements> measure(c3de_object *simulator, const scene::SceneFile &scene,

@@ -214,6 +214,50 @@ Json changesJson(const SessionFile &session, const MemberNames &names) {
   return list;
 }
 
+void readMeasurements(Json object, SavedMeasurements &out, std::string &error) {
+  KeyReader reader(std::move(object), "view.measurements.", error);
+  std::set<std::string> names;
+  const auto each = [&](const char *key, const auto &take) {
+    const Json list = reader.list(key);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string place = fmt::format("view.measurements.{}[{}]", key, i);
+      if (!list[i].is_object())
+        return reader.refuse(fmt::format("the key {} is {}; accepted: an object", place, kindOf(list[i])));
+      KeyReader keys(list[i], place + ".", error);
+      keys.require("name");
+      std::string name;
+      keys.text("name", name);
+      if (name.empty() || !names.insert(name).second)
+        keys.refuse(
+            fmt::format("the key {}.name is '{}'; accepted: a name that no other has", place, displayMessage(name)));
+      bool isHidden = false, isOfScene = false;
+      keys.flag("hidden", isHidden);
+      keys.flag("of_scene", isOfScene);
+      take(keys, place, name, isHidden, isOfScene);
+    }
+  };
+  each("points", [&](KeyReader &keys, const std::string &, const std::string &name, bool isHidden, bool isOfScene) {
+    SavedMeasurements::Point point{name, {}, {}, {}, isHidden, isOfScene};
+    keys.require("at_mm");
+    keys.text("body", point.body);
+    keys.point("at_mm", point.at_mm);
+    keys.point("target_mm", point.target_mm);
+    out.points.push_back(std::move(point));
+  });
+  each("measures",
+       [&](KeyReader &keys, const std::string &place, const std::string &name, bool isHidden, bool isOfScene) {
+         SavedMeasurements::Between between{name, {}, isHidden, isOfScene};
+         keys.texts("points", between.points);
+         const bool isKnown = std::all_of(between.points.begin(), between.points.end(), [&](const std::string &point) {
+           return std::any_of(out.points.begin(), out.points.end(), [&](const auto &one) { return one.name == point; });
+         });
+         if (!isKnown || between.points.size() < 2 || between.points.size() > 3)
+           keys.refuse(fmt::format("the key {}.points is of {} names; accepted: two or three names of points", place,
+                                   between.points.size()));
+         out.measures.push_back(std::move(between));
+       });
+}
+
 void readView(const Json &object, ParsedSession &out, std::string &error) {
   if (object.is_null()) return;
   SessionView &view = out.session.view;
@@ -237,7 +281,29 @@ void readView(const Json &object, ParsedSession &out, std::string &error) {
     }
     view.camera = camera;
   }
+  if (reader.has("measurements")) readMeasurements(reader.object("measurements"), view.measurements.emplace(), error);
   reader.keepRest(Pointer() / "view", out.session.unknown);
+}
+
+Json measurementsJson(const SavedMeasurements &measurements) {
+  Json points = Json::array(), measures = Json::array();
+  const auto flags = [](const auto &one, Json &json) {
+    if (one.isHidden) json["hidden"] = true;
+    if (one.isOfScene) json["of_scene"] = true;
+  };
+  for (const auto &one : measurements.points) {
+    Json json{{"name", one.name}, {"at_mm", one.at_mm}};
+    if (!one.body.empty()) json["body"] = one.body;
+    if (one.target_mm) json["target_mm"] = *one.target_mm;
+    flags(one, json);
+    points.push_back(std::move(json));
+  }
+  for (const auto &one : measurements.measures) {
+    Json json{{"name", one.name}, {"points", one.points}};
+    flags(one, json);
+    measures.push_back(std::move(json));
+  }
+  return Json{{"points", std::move(points)}, {"measures", std::move(measures)}};
 }
 
 Json viewJson(const SessionView &view) {
@@ -247,6 +313,7 @@ Json viewJson(const SessionView &view) {
   if (view.crossHair_mm) json["cross_hair_mm"] = *view.crossHair_mm;
   if (view.window) json["window"] = *view.window;
   if (view.level) json["level"] = *view.level;
+  if (view.measurements) json["measurements"] = measurementsJson(*view.measurements);
   if (view.camera)
     json["camera"] = Json{{"focus_mm", view.camera->focus_mm},
                           {"yaw_rad", view.camera->yaw_rad},

@@ -81,6 +81,12 @@ struct WindowState {
   bool showShortcuts = false, showAbout = false, showMessages = false, showPlugins = false;
   std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
   std::array<char, 128> tissueFilter{};
+  /// Field of the selected measurement: for which one, its text, and why the last text was refused.
+  struct {
+    std::string shownFor;
+    std::array<char, 256> text{};
+    std::string problem;
+  } measurementName;
   TissueOrder tissueOrder = TissueOrder::labels;
   std::string title;                 ///< of the window
   std::optional<Question> question;  ///< while the user is being asked

@@ -73,4 +73,10 @@ std::optional<double> seenInside(const render::Renderer &renderer, const render:
   return inside < before ? std::optional(inside) : std::nullopt;
 }
 
+std::optional<double> nearestSurface(const render::Renderer &renderer, const render::Ray &ray) {
+  double nearest = kNever;
+  renderer.forEachMesh([&](const render::MeshView &mesh) { nearest = std::min(nearest, distanceTo(mesh, ray)); });
+  return nearest < kNever ? std::optional(nearest) : std::nullopt;
+}
+
 }  // namespace c3de::ui

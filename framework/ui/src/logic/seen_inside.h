@@ -16,4 +16,7 @@ namespace c3de::ui {
 [[nodiscard]] std::optional<double> seenInside(const render::Renderer &renderer, const render::ImageScene &scene,
                                                const render::GridGeometry *place, const render::Ray &ray);
 
+/// How far along a ray, mm, the nearest mesh is hit, opaque or not; nothing if none is. For a press, as above.
+[[nodiscard]] std::optional<double> nearestSurface(const render::Renderer &renderer, const render::Ray &ray);
+
 }  // namespace c3de::ui

@@ -36,6 +36,8 @@ struct SliceCanvas {
 void drawRegion(const SliceCanvas &canvas);
 /// The brush that paints the mask: its outline under the mouse, and the drag in progress.
 void drawBrush(const SliceCanvas &canvas);
+/// Landmarks, distances and angles; those off the plane are small and faint.
+void drawMeasurementsInSlice(const SliceCanvas &canvas);
 /// The edges of the region in the 3D view, in front of everything.
 void drawRegionInSpace(FrameContext &frame);
 

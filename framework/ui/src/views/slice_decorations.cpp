@@ -317,6 +317,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawMissingLegend(canvas);
     drawTexts(canvas);
     drawMarks(canvas, renderer);
+    drawMeasurementsInSlice(canvas);
     list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
                   1.0f);
     list->PopClipRect();

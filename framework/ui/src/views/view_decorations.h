@@ -12,6 +12,8 @@ namespace c3de::ui {
 
 /// Over the 3D view: axes, and instructions when nothing is loaded.
 void drawViewDecorations(FrameContext &frame);
+/// Landmarks, distances and angles in the 3D view, in front of everything.
+void drawMeasurementsInSpace(FrameContext &frame);
 /// Over the slices: letters, cross-hair, outlines of bodies, scale bar, read-out. Nothing without an image.
 void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer);
 

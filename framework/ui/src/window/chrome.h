@@ -15,6 +15,8 @@ void runPluginCommand(const WindowServices &services, Handle command);
 void drawToolbar(FrameContext &frame, const PixelRect &area);
 /// The labels of a body of many tissues and their motion.
 void drawTissueTable(FrameContext &frame, const TissueTable &table);
+/// Landmarks, distances and angles.
+void drawMeasurements(FrameContext &frame, MeasurementList &list);
 /// Scene list, tissues and plugin panels.
 void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &area);
 /// Drag to make the side panel wider or narrower.

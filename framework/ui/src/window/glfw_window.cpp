@@ -134,6 +134,7 @@ OsEvent::Role roleOf(int key) {
 std::uint32_t keyOf(int key, int scancode) {
   switch (key) {
     case GLFW_KEY_ESCAPE: return keyEscape;
+    case GLFW_KEY_DELETE: return keyDelete;
     case GLFW_KEY_RIGHT: return keyRight;
     case GLFW_KEY_LEFT: return keyLeft;
     case GLFW_KEY_UP: return keyUp;

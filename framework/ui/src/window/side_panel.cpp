@@ -6,6 +6,7 @@
 
 #include "c3de/registry/panel_registry.h"
 #include "c3de/scene/scene_graph.h"
+#include "c3de/ui/measurement_list.h"
 #include "window/chrome.h"
 
 namespace c3de::ui {
@@ -80,6 +81,11 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
       tissues->isShown = section(frame, "tissues", "Tissues", false);
       if (tissues->isShown) drawTissueTable(frame, *tissues);
     }
+  }
+  if (MeasurementList *measurements = frame.services.measurements;
+      measurements && (frame.simulation.exists || frame.shownImages() || !measurements->set().isEmpty())) {
+    ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
+    if (section(frame, "measurements", "Measurements", false)) drawMeasurements(frame, *measurements);
   }
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.

@@ -168,6 +168,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
   drawViewDecorations(context);
   drawSliceDecorations(context, renderer);
+  drawMeasurementsInSpace(context);
   state.overlays.clear();
   drawStartPage(context, textures);
   drawViewPanels(context, panels);

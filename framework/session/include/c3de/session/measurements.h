@@ -41,6 +41,12 @@ struct Landmark {
                                         std::vector<Landmark> &landmarks,
                                         const std::function<std::string()> &takeError);
 
+/// The positions at rest of material points that are at the given positions now, mm, in their order. A position in no
+/// body, nor within its spacing, does not move. A point that the simulator cannot follow keeps the displacement of the
+/// nearest point of the skin. Call on the thread that steps the simulator, between two steps.
+[[nodiscard]] Expected<std::vector<Vec3>> referencesOf(c3de_object *simulator, const std::vector<Vec3> &now_mm,
+                                                       const std::function<std::string()> &takeError);
+
 struct MeasuredLandmark {
   Landmark landmark;
   Vec3 position_mm{};

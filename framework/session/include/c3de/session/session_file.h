@@ -31,6 +31,27 @@ struct ReferencedFile {
   friend bool operator==(const ReferencedFile &, const ReferencedFile &) = default;
 };
 
+/// Landmarks of the window, and distances and angles between them.
+struct SavedMeasurements {
+  struct Point {
+    std::string name;  ///< unique
+    std::string body;  ///< empty: the one in which it lies
+    Vec3 at_mm{};      ///< at rest, world, LPS
+    std::optional<Vec3> target_mm;
+    bool isHidden = false, isOfScene = false;
+    friend bool operator==(const Point &, const Point &) = default;
+  };
+  struct Between {
+    std::string name;
+    std::vector<std::string> points;  ///< two: a distance; three: an angle, the second is the vertex
+    bool isHidden = false, isOfScene = false;
+    friend bool operator==(const Between &, const Between &) = default;
+  };
+  std::vector<Point> points;
+  std::vector<Between> measures;
+  friend bool operator==(const SavedMeasurements &, const SavedMeasurements &) = default;
+};
+
 /// What the window showed. Paths as in SessionFile::files, or names of members.
 struct SessionView {
   struct CameraPose {
@@ -44,6 +65,7 @@ struct SessionView {
   std::optional<Vec3> crossHair_mm;     ///< world, LPS
   std::optional<double> window, level;  ///< in the unit of the voxels
   std::optional<CameraPose> camera;
+  std::optional<SavedMeasurements> measurements;  ///< none: those of the scene
 
   friend bool operator==(const SessionView &, const SessionView &) = default;
 };

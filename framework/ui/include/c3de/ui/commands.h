@@ -71,6 +71,7 @@ enum class Command {
 /// Keys without a character; other keys are identified by their ASCII upper-case character.
 enum Key : std::uint32_t {
   keyEscape = 27,
+  keyDelete = 127,
   keyRight = 0x100,
   keyF1 = 0x101,
   keyF5 = 0x105,

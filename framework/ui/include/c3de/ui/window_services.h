@@ -30,6 +30,8 @@ namespace c3de::ui {
 
 class ImageViews;
 class MaskBrush;
+class MeasurementList;
+class MeasurementTools;
 struct MissingFiles;
 struct StartPage;
 
@@ -51,6 +53,8 @@ struct WindowServices {
   const StartPage *startPage = nullptr;                    ///< shown while there is nothing else
   std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
   MissingFiles *missingFiles = nullptr;                    ///< its dialog is drawn while it is shown
+  MeasurementList *measurements = nullptr;                 ///< a section of the side panel, and marks in the views
+  MeasurementTools *measurementTools = nullptr;            ///< unfinished measurements are drawn
 };
 
 }  // namespace c3de::ui

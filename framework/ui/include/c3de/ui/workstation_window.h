@@ -123,6 +123,8 @@ struct WindowActions {
   /// Image and labels in the present state of the tissue; its displacement
   std::function<void(const std::filesystem::path &)> exportImage, exportLabels, exportDisplacement;
   std::function<void(const std::filesystem::path &)> exportTissues;  ///< motion of the labels
+  /// Landmarks, their targets; measurements over time
+  std::function<void(const std::filesystem::path &)> loadLandmarks, loadTargetLandmarks, saveLandmarks, exportCurves;
   std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of the settings in the scan dialog
   /// Proposed name for a file of that export, without folder and extension; empty: no proposal.
   std::function<std::string(Command exported)> proposeName;

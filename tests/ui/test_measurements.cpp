@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Landmarks, distances and angles in the window: placed by clicks, carried by the tissue, undone, saved.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "support/catch.h"
+#include "ui/session_window.h"
+#include "ui/simulation_window.h"
+#include "ui/workstation_driver.h"
+#include "ui/workstation_state.h"
+
+using namespace c3de;
+using namespace c3de::test;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A bar of 1 m along x that is stretched to 1.02 m. Without lateral contraction the displacement is 0.02 x, exactly.
+fs::path stretchedBar(const std::string &scenario) {
+  std::ofstream(outputFile(scenario + ".obj"))
+      << "v 0 0 0\nv 1 0 0\nv 1 0.2 0\nv 0 0.2 0\nv 0 0 0.2\nv 1 0 0.2\nv 1 0.2 0.2\nv 0 0.2 0.2\n"
+         "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 4 8 7\nf 4 7 3\nf 1 5 8\nf 1 8 4\nf 2 3 7\nf 2 7 6\n";
+  fs::path scene = outputFile(scenario + ".toml");
+  std::ofstream(scene) << "format = 1\ntitle = \"Stretched bar\"\n[world]\ngravity = [0, 0, 0]\n[solver]\nintegrator = "
+                          "\"quasistatic\"\n[[body]]\nname = \"box\"\nmesh = \""
+                       << scenario
+                       << ".obj\"\nmesh_unit = \"m\"\nmaterial = { law = \"linear\", youngs_modulus = 1e4, "
+                          "poisson_ratio = 0, density = 1000.0 }\nsampling = { spacing = 0.05 }\n"
+                          "[[fix]]\nregion = { box = { min = [-0.001, -1, -1], max = [0, 1, 1] } }\n"
+                          "[[fix]]\nregion = { box = { min = [1, -1, -1], max = [1.001, 1, 1] } }\n"
+                          "displacement = [0.02, 0, 0]\n"
+                          "[[landmark]]\nname = \"a\"\nat = [0.313, 0.071, 0.123]\n"
+                          "[[landmark]]\nname = \"b\"\nat = [0.777, 0.071, 0.123]\ntarget = [0.79, 0.071, 0.123]\n"
+                          "[[distance]]\nname = \"length\"\nbetween = [\"a\", \"b\"]\n";
+  return scene;
+}
+
+const std::string kList = "measurements/";
+
+bool isNear(double value, double wanted, double within) { return std::abs(value - wanted) <= within; }
+
+}  // namespace
+
+TEST_CASE("measurements of a scene follow the tissue, and one placed by a click at present is found at rest",
+          "[measurements]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("measurements");
+  const fs::path session = freshFile("measurements.c3de");
+  openOrgan(window, {stretchedBar("measurements").string()});
+  window.click("measurements/header");
+  C3DE_WAIT(window, "the scene's landmarks are listed", textOf(s, kList + "count") == "3");
+  C3DE_WAIT(window, "at rest there is one number", textOf(s, kList + "length.label") == "464.0 mm");
+  window.screenshotAtRest("rest");
+  play(window);
+  C3DE_WAIT(window, "the bar is stretched", isNear(numberOf(s, kList + "length.now"), 1.02 * 464.0, 1e-3));
+  (void)pause(window);
+  CHECK(window.value(kList + "length.label") == "464.0 → 473.3 mm");
+  const Json moved = window.state();
+  CHECK(isNear(numberOf(moved, kList + "b.error"), 13.0, 1e-3));
+  CHECK(isNear(norm(vectorOf(moved, kList + "a.at") - Vec3{1.02 * 313.0, 71.0, 123.0}), 0.0, 1e-3));
+
+  // Placed on the stretched bar: its position at rest is where the stretch came from.
+  window.click("toolbar/tool.measure.landmark");
+  window.clickAt(window.inView(0.55, 0.5));
+  C3DE_WAIT(window, "a landmark is placed", textOf(s, kList + "count") == "4");
+  C3DE_WAIT(
+      window, "it has moved",
+      isNear(vectorOf(s, kList + "Landmark 1.at")[0], 1.02 * vectorOf(s, kList + "Landmark 1.reference")[0], 1e-3));
+  const Json placed = window.state();
+  const Vec3 rest = vectorOf(placed, kList + "Landmark 1.reference");
+  CHECK(rest[0] > 100.0);
+  CHECK(isNear(numberOf(placed, kList + "Landmark 1.now"), 0.02 * rest[0], 1e-3));
+  window.screenshotAtRest("placed");
+
+  // A distance by press, drag and release; Escape takes back an unfinished one.
+  window.click("toolbar/tool.measure.distance");
+  window.clickAt(window.inView(0.45, 0.5));
+  window.key("Escape");
+  window.drag(window.inView(0.45, 0.5), window.inView(0.62, 0.5), 6);
+  C3DE_WAIT(window, "a distance is placed", textOf(s, kList + "count") == "7");
+  window.key("ctrl+z");
+  C3DE_WAIT(window, "the distance is undone", textOf(s, kList + "count") == "4");
+  window.key("ctrl+y");
+  C3DE_WAIT(window, "and redone", textOf(s, kList + "count") == "7");
+  window.screenshotAtRest("distance");
+
+  window.key("ctrl+s");
+  window.enterFile(session);
+  waitForMessage(window, "Session saved");
+  C3DE_WAIT(window, "nothing is unsaved", s["title"].get<std::string>().find('*') == std::string::npos);
+  CHECK(window.state()["notifications"].size() == 1);
+}
