@@ -91,5 +91,17 @@ TEST_CASE("measurements of a scene follow the tissue, and one placed by a click 
   window.enterFile(session);
   waitForMessage(window, "Session saved");
   C3DE_WAIT(window, "nothing is unsaved", s["title"].get<std::string>().find('*') == std::string::npos);
-  CHECK(window.state()["notifications"].size() == 1);
+  // Reading positions is no change of the simulation.
+  CHECK(describe(session)["changes"].empty());
+  const Json saved = window.state();
+  window.key("ctrl+q");
+  CHECK(window.waitForExit() == 0);
+
+  WorkstationDriver again("measurements_opened");
+  again.start({session.string()});
+  C3DE_WAIT(again, "it is opened", s["jobs"].empty() && s["transport"]["exists"].get<bool>());
+  again.click("measurements/header");
+  C3DE_WAIT(again, "what was placed is back", textOf(s, kList + "count") == "7");
+  for (const std::string key : {"Landmark 1.reference", "b.error", "Distance 1.label"})
+    again.waitForValue(kList + key, textOf(saved, kList + key));
 }

@@ -124,9 +124,10 @@ void MeasurementController::resolve(const std::vector<ui::MeasurementPick> &pick
   }
   scene::Simulation *simulation = parts_.session.simulation();
   if (!simulation || !isNeeded) return done(at_mm);
-  simulation->post([this, simulation, picks, at_mm, done = std::move(done)] {
+  simulation->post([this, simulation, picks, at_mm, changes = parts_.session.changes(), done = std::move(done)] {
     Expected<std::vector<Vec3>> found;
     try {
+      const ChangeLog::Unrecorded reads(*changes);
       found = referencesOf(simulation->object(), at_mm, [this] { return parts_.session.plugins().takeError(); });
     } catch (const std::exception &error) {
       found = fail(ErrorCode::internal, error.what());
@@ -241,7 +242,7 @@ void MeasurementController::follow() {
     for (const ui::MeasuredPoint &one : list_.set().points)
       landmarks.push_back({one.name, one.body, (1.0 / kMillimetresPerMetre) * one.reference_mm, one.reference_mm,
                            one.target_mm, "landmark '" + displayText(one.name) + "'"});
-  tracker_.follow(std::move(landmarks), presentScene());
+  tracker_.follow(std::move(landmarks), presentScene(), parts_.session.changes());
 }
 
 void MeasurementController::update() {

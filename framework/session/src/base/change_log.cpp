@@ -86,6 +86,7 @@ void ChangeLog::setListener(std::function<void(const SimulationChange &)> listen
 }
 
 void ChangeLog::add(const c3de_sim_change &change) {
+  if (unrecorded_.load() == std::this_thread::get_id()) return;
   SimulationChange copy{textOf(change.id), textOf(change.key), textOf(change.text), change.flags, change.steps, {}};
   if (change.bytes != nullptr) copy.bytes.assign(static_cast<const char *>(change.bytes), change.n);
   {

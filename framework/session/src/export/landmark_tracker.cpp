@@ -7,10 +7,12 @@
 
 namespace c3de::session {
 
-void LandmarkTracker::follow(std::vector<Landmark> landmarks, std::shared_ptr<const scene::SceneFile> scene) {
+void LandmarkTracker::follow(std::vector<Landmark> landmarks, std::shared_ptr<const scene::SceneFile> scene,
+                             std::shared_ptr<ChangeLog> changes) {
   const std::lock_guard lock(mutex_);
   wanted_ = std::move(landmarks);
   scene_ = std::move(scene);
+  changes_ = std::move(changes);
   ++serial_;
   newest_.reset();
   behind_ = !wanted_.empty();
@@ -38,9 +40,12 @@ void LandmarkTracker::onPublished(const scene::Simulation &simulation) {
   const std::lock_guard reading(readingMutex_);
   const auto now = std::chrono::steady_clock::now();
   std::uint64_t serial = 0;
+  std::shared_ptr<ChangeLog> changes;
   {
     const std::lock_guard lock(mutex_);
-    if (wanted_.empty()) return;
+    // Another simulation has replaced the one of these landmarks.
+    if (wanted_.empty() || !changes_ || !changes_->isOf(simulation.object())) return;
+    changes = changes_;
     serial = serial_;
     const bool isPlaying = simulation.state().mode == C3DE_SIM_PLAYING;
     if (isPlaying && serial == followedSerial_ && now - last_ < std::max<decltype(took_)>(kShortest, 10 * took_)) {
@@ -52,6 +57,7 @@ void LandmarkTracker::onPublished(const scene::Simulation &simulation) {
       followedScene_ = scene_;
     }
   }
+  const ChangeLog::Unrecorded reads(*changes);
   if (serial != followedSerial_) {
     followedSerial_ = serial;
     problem_.clear();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <variant>
 #include <vector>
 
@@ -53,6 +54,19 @@ class ChangeLog {
   void beginAdding() { ++adding_; }
   void endAdding() { --adding_; }
   [[nodiscard]] bool isAdding() const { return adding_ > 0; }
+  [[nodiscard]] bool isOf(const c3de_object *simulator) const { return simulator_ == simulator; }
+  /// While it exists, changes that its thread makes are not recorded: those that leave the simulator as it was, such as
+  /// probes that are added for reading only. One at a time; on the thread that steps the simulator, between two steps.
+  class Unrecorded {
+   public:
+    explicit Unrecorded(ChangeLog &log) : log_(log) { log_.unrecorded_ = std::this_thread::get_id(); }
+    ~Unrecorded() { log_.unrecorded_ = std::thread::id(); }
+    Unrecorded(const Unrecorded &) = delete;
+    Unrecorded &operator=(const Unrecorded &) = delete;
+
+   private:
+    ChangeLog &log_;
+  };
   /// Bodies of a scene have been added.
   void addScene(SharedScene scene);
   [[nodiscard]] SimulationSource source() const;
@@ -72,6 +86,7 @@ class ChangeLog {
   SimulationSource source_;
   std::uint64_t count_ = 0;
   std::atomic<int> adding_{0};
+  std::atomic<std::thread::id> unrecorded_{};
   std::mutex listenerMutex_;
   std::function<void(const SimulationChange &)> listener_;
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "c3de/scene/simulation.h"
+#include "c3de/session/change_log.h"
 #include "c3de/session/measurements.h"
 
 namespace c3de::session {
@@ -26,9 +27,11 @@ class LandmarkTracker {
   /// @param takeError  returns the text of the last failed call on the simulation's thread; may be empty
   explicit LandmarkTracker(std::function<std::string()> takeError = {}) : takeError_(std::move(takeError)) {}
 
-  /// Landmarks to follow, instead of those of before. @param scene  from which the bodies were built; null: none. Any
-  /// thread.
-  void follow(std::vector<Landmark> landmarks, std::shared_ptr<const scene::SceneFile> scene);
+  /// Landmarks to follow, instead of those of before. Any thread.
+  /// @param scene    from which the bodies were built; null: none
+  /// @param changes  of the simulator, which is read without a recorded change; null: nothing is read
+  void follow(std::vector<Landmark> landmarks, std::shared_ptr<const scene::SceneFile> scene,
+              std::shared_ptr<ChangeLog> changes);
   /// Call on the simulation's thread, after a snapshot. During playback it runs at most 20 times a second and uses at
   /// most a tenth of the time.
   void onPublished(const scene::Simulation &simulation);
@@ -46,6 +49,7 @@ class LandmarkTracker {
   mutable std::mutex mutex_;
   std::vector<Landmark> wanted_;
   std::shared_ptr<const scene::SceneFile> scene_;
+  std::shared_ptr<ChangeLog> changes_;
   std::uint64_t serial_ = 0;
   std::shared_ptr<const Positions> newest_;
   // Used by the simulation's thread, and by both threads while one simulation replaces another:
