@@ -152,6 +152,14 @@ std::vector<std::pair<std::string, std::string>> oneOfEach() {
   add(load);
   add(BeginHold{kFirst, Vec3(0.0, 0.0, 0.05), 0.03, 0.0, 0.0, 0.0, C3DE_SIM_HOLD_SHAPE, 1});
   add(PullHold{1, Vec3(0.0, 0.0, 0.07), std::array<double, 4>{0.0, 0.0, 0.0, 1.0}});
+  SurfaceCondition condition;
+  condition.name = "force";
+  condition.body = kFirst;
+  condition.patch.positions = {Vec3(0.05, 0.0, 0.0), Vec3(0.05, 0.05, 0.0), Vec3(0.05, 0.0, 0.05)};
+  condition.patch.triangles = {{0, 1, 2}};
+  condition.kind = ConditionKind::force;
+  condition.vector = Vec3(0.0, 0.1, 0.0);
+  add(SetSurfaceCondition{1, condition});
   add(StoreCheckpoint{1});
   add(ExchangeCheckpoint{1});
   add(DropCheckpoint{1});

@@ -8,6 +8,7 @@
 #include "pointbased/contact.h"
 #include "pointbased/elastic_foundation.h"
 #include "pointbased/engine.h"
+#include "pointbased/live_support.h"
 #include "pointbased/patch_solver.h"
 #include "pointbased/rest_state.h"
 
@@ -233,8 +234,12 @@ class Body {
   [[nodiscard]] bool attached() const { return attachedFrequency_ > 0.0; }
   /// Present force and torque of the foundation, about the centre of the body in the reference.
   [[nodiscard]] Reaction foundationReaction() const;
-  /// Present reactions of the supports: from the forces on held phyxels (internal, loads, gravity) and from the
-  /// patches.
+  /// Supports added while the body is simulated; they are settings, which a reset does not remove. Take effect with the
+  /// next step. Ignored while the body is rigid.
+  void setLiveSupports(std::vector<LiveSupport> supports);
+  [[nodiscard]] std::span<const LiveSupport> liveSupports() const { return liveSupports_; }
+  /// Present reactions of the supports, then of liveSupports(): from the forces on held phyxels (internal, loads,
+  /// gravity) and from the patches.
   [[nodiscard]] std::vector<Reaction> reactions(const Vec3 &gravity) const;
 
   /// Computed in double precision.
@@ -317,6 +322,7 @@ class Body {
     Index surfel, fix;
   };
   void resizeForRestState();
+  void addPatchesOf(const ConstrainedRegion &part, Index fix);
   void shareGravity();
   void findHeldSurfels();
   void bindFoundation();
@@ -356,7 +362,8 @@ class Body {
   double attachedFrequency_ = 0.0;    // 1/s², a bound
   bool rigid_ = false, free_ = false;
   std::unique_ptr<const detail::RigidFrame> rigidFrame_;  // of a rigid body
-  std::vector<Index> fixOfPatch_;
+  std::vector<LiveSupport> liveSupports_;
+  std::vector<Index> fixOfPatch_;  // fixes of the rest state, then liveSupports_
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
   std::vector<Vec3> externalForces_;  // empty: none
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;

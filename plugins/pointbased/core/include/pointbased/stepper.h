@@ -76,6 +76,9 @@ class Stepper {
   /// again; wakes it. No effect on a static body (Body::isStatic()).
   void setExternalForces(std::size_t body, std::span<const Vec3> forces);
   void swapExternalForces(std::size_t body, std::vector<Vec3> &forces);
+  /// A quasi-static solution that is finished solves its last increment again with the next step, because supports or
+  /// external forces have changed. No effect on others.
+  void repeatLastIncrement();
   /// Grabs a body from the next step until it is released or the simulation is reset. A grab with the same id is
   /// replaced. No effect on a static body.
   /// @param grabId  of the user's choice; a body may have several

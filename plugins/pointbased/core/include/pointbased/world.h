@@ -90,6 +90,8 @@ class World {
   /// Changes how the surroundings hold a body during the simulation. Errors: those of Body::setFoundation(); nothing is
   /// changed then.
   [[nodiscard]] Result<void> setFoundation(std::size_t body, const Foundation &foundation);
+  /// Body::setLiveSupports() during the simulation; wakes it. No effect on an unknown id.
+  void setLiveSupports(std::size_t body, std::vector<LiveSupport> supports);
   /// Body::setRigid() during the simulation. A static body costs nothing and cannot be grabbed. The stable step of a
   /// rigid body limits no step.
   void setRigid(std::size_t body, bool rigid, bool free = false);

@@ -93,6 +93,20 @@ Vec3 Body::firstReference(Index phyxel) const {
   return rest_->referenceShift.empty() ? X : Vec3(X - rest_->referenceShift[phyxel]);
 }
 
+void Body::addPatchesOf(const ConstrainedRegion &part, Index fix) {
+  for (std::size_t p = 0; p < part.rows.rows(); ++p) {
+    Vec3 point = Vec3::Zero(), shift = Vec3::Zero();
+    for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
+      const Index j = part.rows.indices[e];
+      point += part.weights[e] * firstReference(j);
+      if (!rest_->referenceShift.empty()) shift += part.weights[e] * rest_->referenceShift[j];
+    }
+    patchPoints_.push_back(point);
+    patchShifts_.push_back(shift);
+    fixOfPatch_.push_back(fix);
+  }
+}
+
 // Resizes and resets everything that depends on the rest state.
 void Body::resizeForRestState() {
   const std::size_t n = rest_->phyxelCount();
@@ -120,18 +134,10 @@ void Body::resizeForRestState() {
         heldMask_[i] = 1;
         heldPhyxels_.push_back({i, static_cast<Index>(f)});
       }
-    for (std::size_t p = 0; p < part.rows.rows(); ++p) {
-      Vec3 point = Vec3::Zero(), shift = Vec3::Zero();
-      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
-        const Index j = part.rows.indices[e];
-        point += part.weights[e] * firstReference(j);
-        if (!rest_->referenceShift.empty()) shift += part.weights[e] * rest_->referenceShift[j];
-      }
-      patchPoints_.push_back(point);
-      patchShifts_.push_back(shift);
-      fixOfPatch_.push_back(static_cast<Index>(f));
-    }
+    addPatchesOf(part, static_cast<Index>(f));
   }
+  for (std::size_t k = 0; k < liveSupports_.size(); ++k)
+    addPatchesOf(liveSupports_[k].part, static_cast<Index>(conditions.held.size() + k));
   patchTargets_.resize(patchPoints_.size());
   if (!rest_->heldVolumes.empty()) {
     supportMasses_.assign(n, 0.0);
@@ -188,7 +194,7 @@ void Body::updateMassDependents() {
   const std::vector<double> moduli = meansAround(constitution_, *rest_, &Material::youngsModulus);
   Csr rows;
   std::vector<double> weights, stiffness;
-  for (const ConstrainedRegion &part : rest_->conditions.held)
+  const auto add = [&](const ConstrainedRegion &part) {
     for (std::size_t p = 0; p < part.rows.rows(); ++p) {
       for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
         rows.indices.push_back(part.rows.indices[e]);
@@ -198,6 +204,9 @@ void Body::updateMassDependents() {
       const double modulus = modulusAt(moduli, part.rows, part.weights, p);
       stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
     }
+  };
+  for (const ConstrainedRegion &part : rest_->conditions.held) add(part);
+  for (const LiveSupport &support : liveSupports_) add(support.part);
   patches_.set(rows, weights, stiffness, inverseMasses_);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   if (rigid_) frameRigid();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/expects.h"
 #include "body/rest_surface.h"
 #include "pointbased/body.h"
 #include "pointbased/support_energy.h"
@@ -121,6 +122,7 @@ std::span<const Vec3> Body::patchTargets(double t) {
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;
   for (std::size_t p = 0; p < patchPoints_.size(); ++p) {
+    if (fixOfPatch_[p] >= conditions.fixes.size()) break;
     if (fixOfPatch_[p] != present) {
       present = fixOfPatch_[p];
       const Fix &fix = conditions.fixes[present];
@@ -128,13 +130,44 @@ std::span<const Vec3> Body::patchTargets(double t) {
     }
     patchTargets_[p] = motion.displacementOf(patchPoints_[p]) - patchShifts_[p];
   }
+  std::size_t p = patchTargets_.size();
+  for (std::size_t k = liveSupports_.size(); k-- > 0;) {
+    const LiveSupport &support = liveSupports_[k];
+    const double s = support.progressAt(t, quasiStatic);
+    const Vec3 moved = support.displacementAt(s);
+    for (std::size_t row = support.part.rows.rows(); row-- > 0;) {
+      --p;
+      patchTargets_[p] = (support.returns ? 1.0 - s : 1.0) * support.offsets[row] + moved - patchShifts_[p];
+    }
+  }
   return patchTargets_;
+}
+
+// Forces of the patches of the scene persist; those of live supports begin at zero.
+void Body::setLiveSupports(std::vector<LiveSupport> supports) {
+  const std::vector<Vec3> before = patches_.forces();
+  std::size_t live = 0;
+  for (const LiveSupport &support : liveSupports_) live += support.part.rows.rows();
+  const std::size_t own = patchPoints_.size() - live;
+  for (const LiveSupport &support : supports)
+    POINTBASED_EXPECTS(support.offsets.size() == support.part.rows.rows(), "one offset per row of a support");
+  liveSupports_ = std::move(supports);
+  patchPoints_.resize(own);
+  patchShifts_.resize(own);
+  fixOfPatch_.resize(own);
+  for (std::size_t k = 0; k < liveSupports_.size(); ++k)
+    addPatchesOf(liveSupports_[k].part, static_cast<Index>(rest_->conditions.held.size() + k));
+  patchTargets_.assign(patchPoints_.size(), Vec3::Zero());
+  updateMassDependents();
+  std::copy_n(before.begin(), std::min(own, before.size()), patches_.forces().begin());
 }
 
 std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
   const BoundaryConditions &conditions = rest_->conditions;
-  std::vector<Reaction> out(conditions.fixes.size());
-  for (std::size_t f = 0; f < out.size(); ++f)
+  std::vector<Reaction> out(conditions.fixes.size() + liveSupports_.size());
+  for (std::size_t k = 0; k < liveSupports_.size(); ++k)
+    out[conditions.fixes.size() + k].centre = rest_->origin + liveSupports_[k].part.centroid;
+  for (std::size_t f = 0; f < conditions.fixes.size(); ++f)
     out[f].centre = conditions.fixes[f].centre.value_or(rest_->origin + conditions.held[f].centroid);
   const auto add = [&](Index fix, const Vec3 &x, const Vec3 &force) {
     out[fix].force += force;

@@ -133,7 +133,7 @@ Result<Rereferencing> detail::renewedLattice(const Body &body, const ParallelFor
   const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
   const RestState &old = body.rest();
   if (!old.reshape || old.skin.empty()) return refuse("there is no way to fill its present skin");
-  if (!old.conditions.fixes.empty() || !old.conditions.loads.empty())
+  if (!old.conditions.fixes.empty() || !old.conditions.loads.empty() || !body.liveSupports().empty())
     return refuse("its supports and loads are given in its first shape");
   if (body.constitution().materials.size() > 1)
     return refuse("its parts of other materials are given in its first shape");

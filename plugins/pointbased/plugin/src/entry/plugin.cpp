@@ -6,6 +6,7 @@
 #include "simulator/point_sets.h"
 #include "simulator/world_simulator.h"
 #include "tools/grasp_tool.h"
+#include "tools/load_tool.h"
 #include "tools/move_tool.h"
 #include "tools/pinch_tool.h"
 #include "tools/touch_tool.h"
@@ -31,7 +32,7 @@ class PointBasedPlugin : public SimulatorListener {
 
   explicit PointBasedPlugin(sdk::Host host)
       : context_(host, this), pinch_(context_.services), touch_(context_.services), grasp_(context_.services),
-        move_(context_.services) {
+        move_(context_.services), load_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
         C3DE_POINTBASED_WORLD_SIMULATOR_CLASS, "Point-based simulator",
@@ -44,7 +45,7 @@ class PointBasedPlugin : public SimulatorListener {
         host.service<c3de_panels_v1>()) {
       context_.hasWindow = true;
       controller_ = std::make_unique<Controller>(context_.services, context_.laws,
-                                                 Controller::Tools{pinch_, touch_, grasp_, move_});
+                                                 Controller::Tools{pinch_, touch_, grasp_, move_, load_});
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
       if (host.service<c3de_tools_v1>()) {
         sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
@@ -74,6 +75,12 @@ class PointBasedPlugin : public SimulatorListener {
                                       .hint = "Press on an obstacle and drag; its arrows and rings move it along and "
                                               "about one axis",
                                       .shortcut = 'M'}));
+        sdk::orThrow(load_.add(host, {.id = "pointbased.load",
+                                      .label = "Load",
+                                      .hint = "Paint on the surface, or click a face, then set a support or a load in "
+                                              "the panel; Shift removes, [ and ] change the radius, Esc clears",
+                                      .shortcut = 'L',
+                                      .inSlices = true}));
       }
       if (const sdk::Commands commands(host); commands)
         verify_ = sdk::orThrow(
@@ -119,12 +126,14 @@ class PointBasedPlugin : public SimulatorListener {
     touch_.update();
     grasp_.update();
     move_.update();
+    load_.update();
   }
   void setSimulator(WorldSimulator *simulator) {
     pinch_.setSimulator(simulator);
     touch_.setSimulator(simulator);
     grasp_.setSimulator(simulator);
     move_.setSimulator(simulator);
+    load_.setSimulator(simulator);
   }
 
   PluginContext context_;
@@ -134,6 +143,7 @@ class PointBasedPlugin : public SimulatorListener {
   TouchTool touch_;
   GraspTool grasp_;
   MoveTool move_;
+  LoadTool load_;
   std::unique_ptr<Controller> controller_;
   sdk::Command verify_;
   sdk::FrameCallback frame_;

@@ -53,7 +53,8 @@ void setBodyParameter(WorldSimulator &simulator, std::uint64_t body, const Param
 }  // namespace
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
-    : services_(services), tools_(tools), laws_(laws), verification_(services), obstacles_(services, tools.move) {
+    : services_(services), tools_(tools), laws_(laws), verification_(services), obstacles_(services, tools.move),
+      loads_(services, tools.load) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
@@ -84,6 +85,7 @@ sdk::Result<void> Controller::verify() {
 
 void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
   obstacles_.setSimulator(simulator);
+  loads_.setSimulator(simulator);
   simulator_ = simulator;
   view_ = view;
   body_ = 0;
@@ -136,6 +138,7 @@ void Controller::draw(sdk::Ui &ui) {
   if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
   if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
   if (tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
+  if (tools_.load.isActive()) loads_.draw(ui, snapshot.get());
   drawRun(ui, snapshot.get());
   drawAccuracy(ui, snapshot.get());
   if (snapshot) suggestRigid(ui, *snapshot);
@@ -145,6 +148,7 @@ void Controller::draw(sdk::Ui &ui) {
   if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
   if (!tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
   if (!tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
+  if (!tools_.load.isActive()) loads_.draw(ui, snapshot.get());
   ui.heading("Contact and attachments");
   ui.params(worldParameters_.handle(), "Contact");
   if (snapshot) drawContacts(ui, *snapshot);

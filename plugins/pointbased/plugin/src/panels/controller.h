@@ -2,10 +2,12 @@
 #pragma once
 
 #include "c3de/sdk/panel.hpp"
+#include "panels/load_panel.h"
 #include "panels/obstacle_panel.h"
 #include "panels/verification_panel.h"
 #include "simulator/world_simulator.h"
 #include "tools/grasp_tool.h"
+#include "tools/load_tool.h"
 #include "tools/move_tool.h"
 #include "tools/pinch_tool.h"
 #include "tools/touch_tool.h"
@@ -23,6 +25,7 @@ class Controller : public sdk::Panel {
     TouchTool &touch;
     GraspTool &grasp;
     MoveTool &move;
+    LoadTool &load;
   };
   Controller(const Services &services, const MaterialLaws &laws, const Tools &tools);
 
@@ -82,6 +85,7 @@ class Controller : public sdk::Panel {
   PinchSettings pinchSettings_;
   VerificationPanel verification_;
   ObstaclePanel obstacles_;
+  LoadPanel loads_;
 };
 
 }  // namespace pointbased

@@ -274,9 +274,30 @@ std::string describeComputation(const Simulator &simulator, std::size_t id) {
   return text + (single ? ", single" : ", double") + " precision, " + kernelTarget();
 }
 
+namespace {
+
+Json conditionsJson(const std::vector<ReportedCondition> &conditions) {
+  Json out = Json::array();
+  for (const ReportedCondition &one : conditions) {
+    Json row{{"name", one.name},
+             {"kind", one.kind},
+             {"body", one.body},
+             {"area_m2", one.area},
+             {"force_N", json(one.force)}};
+    if (one.kind == "displace") row["displacement_m"] = json(one.vector);
+    if (one.kind == "force") row["set_N"] = json(one.vector);
+    if (one.kind == "pressure") row["pressure_Pa"] = one.pressure;
+    if (!one.warning.empty()) row["warning"] = one.warning;
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
                        const std::vector<ReportedTool> &tools, const std::vector<ReportedAttachment> &attachments,
-                       const std::vector<ReportedGrasp> &grasps,
+                       const std::vector<ReportedGrasp> &grasps, const std::vector<ReportedCondition> &conditions,
                        const std::function<std::string(std::size_t id)> &nameOfId) {
   Json out = {{"bodies", Json::array()},      {"probes", Json::array()},  {"reactions", Json::array()},
               {"attachments", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
@@ -304,7 +325,8 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
     }
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
     const std::vector<Reaction> reactions = simulator.diagnostics().reactions(body.id);
-    for (std::size_t f = 0; f < reactions.size(); ++f)
+    const std::size_t fixes = simulator.body(body.id)->rest().conditions.fixes.size();
+    for (std::size_t f = 0; f < std::min(fixes, reactions.size()); ++f)
       out["reactions"].push_back({{"fix", f < body.fixNumbers.size() ? body.fixNumbers[f] : f},
                                   {"body", simulator.body(body.id)->name()},
                                   {"force_N", json(reactions[f].force)},
@@ -343,6 +365,7 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                              {"force_N", json(grasp.forces.pull)},
                              {"squeeze_N", grasp.forces.squeeze},
                              {"gap_m", grasp.forces.gap}});
+  if (!conditions.empty()) out["conditions"] = conditionsJson(conditions);
   out["contacts"] = Json::array();
   for (const ContactSummary &contact : simulator.diagnostics().contacts())
     out["contacts"].push_back({{"bodies", {nameOfId(contact.first), nameOfId(contact.second)}},

@@ -45,6 +45,16 @@ struct ReportedAttachment {
   double stiffness = 0.0, tangential = 0.0;  ///< Pa/m
 };
 
+/// A support or load on a part of a surface, set while the body was simulated.
+struct ReportedCondition {
+  std::string name, kind, body;
+  double area = 0.0;           ///< m²
+  Vec3 force = Vec3::Zero();   ///< N, on the body
+  Vec3 vector = Vec3::Zero();  ///< N or m, as set
+  double pressure = 0.0;       ///< Pa, as set
+  std::string warning;
+};
+
 /// Integrator and method of force computation, as display text: "explicit, double precision, AVX3".
 [[nodiscard]] std::string describeComputation(const Simulator &simulator, std::size_t body);
 
@@ -55,6 +65,7 @@ struct ReportedAttachment {
                                      const std::vector<ReportedTool> &tools,
                                      const std::vector<ReportedAttachment> &attachments,
                                      const std::vector<ReportedGrasp> &grasps,
+                                     const std::vector<ReportedCondition> &conditions,
                                      const std::function<std::string(std::size_t id)> &nameOfId);
 
 }  // namespace pointbased

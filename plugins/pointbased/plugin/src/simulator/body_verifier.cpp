@@ -26,6 +26,10 @@ std::shared_ptr<const WorldVerification> BodyVerifier::verify(const sdk::Progres
     out->quasiStatic = simulator_.quasiStatic();
     out->clock = out->quasiStatic ? simulator_.loadFactor() : simulator_.time();
     for (const auto &[id, record] : table_.bodies()) {
+      if (!simulator_.body(id)->liveSupports().empty())
+        throw Error(C3DE_E_STATE, "body '" + record.name +
+                                      "' has supports that were set by hand, which the fine reference has not; "
+                                      "remove them first");
       all.push_back({verificationTarget(simulator_, id), record.source, record.values});
       out->bodies.push_back({id, simulator_.stepper().changes(id), record.name, record.source.fixNumbers, {}, {}});
     }

@@ -81,6 +81,11 @@ class Coder {
   void operator()(T &...values) {
     (one(values), ...);
   }
+  /// Of a reader: nothing is left.
+  [[nodiscard]] bool isAtEnd() const {
+    if constexpr (kReads) return bytes_.left() == 0;
+    return false;
+  }
 
  private:
   template <class T>

@@ -11,6 +11,7 @@
 #include "simulator/change_access.h"
 #include "simulator/change_types.h"
 #include "simulator/object_name.h"
+#include "simulator/surface_condition.h"
 
 namespace pointbased {
 
@@ -334,6 +335,22 @@ struct PullHold {
   void apply(SimulatorParts &parts, ChangeAccess access) const;
 };
 
+/// Adds or replaces a support or load on a part of a surface; without a condition it removes the one of this number.
+struct SetSurfaceCondition {
+  static constexpr std::string_view kId = "condition.set";
+  std::uint64_t number = 0;  ///< 0: the next one
+  std::optional<SurfaceCondition> condition = {};
+  template <class Coder>
+  void walk(Coder &coder) {
+    coder(number, condition);
+  }
+  [[nodiscard]] std::string key() const { return std::to_string(number); }
+  [[nodiscard]] std::string text() const {
+    return condition ? "set " + condition->name : "remove support or load " + std::to_string(number);
+  }
+  void apply(SimulatorParts &parts, ChangeAccess access);
+};
+
 /// Stores the present state under a number, for exchange: undo of an interaction.
 struct StoreCheckpoint {
   static constexpr std::string_view kId = "checkpoint.store";
@@ -385,6 +402,6 @@ using AnyChange =
     std::variant<SetWorldParameters, SetBodyParameter, RebuildBody, LoadBody, AddObstacle, RestoreObstacle,
                  MoveObstacle, RemoveObject, ClearWorld, PlaceInstrument, MoveInstrument, RemoveInstrument, BeginGrasp,
                  MoveGrasp, ReleaseGrasp, BeginPinch, MovePinch, ReleasePinch, AddLoad, BeginHold, PullHold,
-                 StoreCheckpoint, ExchangeCheckpoint, DropCheckpoint, StoreState>;
+                 SetSurfaceCondition, StoreCheckpoint, ExchangeCheckpoint, DropCheckpoint, StoreState>;
 
 }  // namespace pointbased

@@ -115,6 +115,7 @@ void ClearWorld::apply(SimulatorParts &parts, ChangeAccess access) const {
   world.simulator.clear();
   world.table.clear();
   parts.forces.removeLoads();
+  parts.conditions.clear();
   parts.holds.clear();
   parts.obstacles.clear(access);
   world.grasps.clear();
@@ -189,6 +190,10 @@ void PullHold::apply(SimulatorParts &parts, ChangeAccess access) const {
   std::optional<Mat3> rotation;
   if (quaternion && parts.holds.keepsShape(id)) rotation = readRotation(quaternion->data(), "pull");
   parts.holds.pull(access, id, target, rotation);
+}
+
+void SetSurfaceCondition::apply(SimulatorParts &parts, ChangeAccess access) {
+  parts.conditions.set(access, number, condition);
 }
 
 void StoreState::apply(SimulatorParts &parts, ChangeAccess access) { bytes = parts.savedState.bytes(access); }

@@ -76,7 +76,7 @@ std::uint64_t ExternalForces::loadNumbered(std::uint64_t number) const {
   return 0;
 }
 
-void ExternalForces::apply() {
+void ExternalForces::apply(const SurfaceConditions &conditions) {
   for (const auto &[id, record] : table_.bodies()) {
     const auto found = sharedPoints_.find(id);
     const Body &body = *simulator_.body(id);
@@ -93,6 +93,7 @@ void ExternalForces::apply() {
           live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
       addLoadForces(live.load, live.part, s, body.state().displacements, forces);
     }
+    conditions.addForces(id, forces);
     if (!forces.empty())
       simulator_.stepper().swapExternalForces(id, forces);
     else if (!body.externalForces().empty())

@@ -4,6 +4,7 @@
 #include "simulator/change_access.h"
 #include "simulator/saved_interactions.h"
 #include "simulator/simulated_world.h"
+#include "simulator/surface_conditions.h"
 
 namespace pointbased {
 
@@ -32,7 +33,7 @@ class ExternalForces {
   [[nodiscard]] std::uint64_t numberOf(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t loadNumbered(std::uint64_t number) const;
   /// Before a step: sets the forces requested since the last step and those of the loads; other bodies have none.
-  void apply();
+  void apply(const SurfaceConditions &conditions);
   /// Called after the masses of a body have changed.
   void invalidateMasses(std::uint64_t body);
   void removeLoad(ChangeAccess, std::uint64_t id) { loads_.erase(id); }

@@ -9,6 +9,7 @@
 
 #include "simulator/change_types.h"
 #include "simulator/object_name.h"
+#include "simulator/surface_condition.h"
 
 namespace pointbased {
 
@@ -73,14 +74,37 @@ struct SavedLoad {
   }
 };
 
+/// A support or load on a part of a surface, with what its ramp starts from.
+struct SavedCondition {
+  std::uint64_t number = 0;
+  SurfaceCondition condition;
+  struct Start {
+    double time = 0.0;                ///< s, or load factor
+    Vec3 vector = Vec3::Zero();       ///< N or m
+    double pressure = 0.0;            ///< Pa
+    std::vector<Vec3> displacements;  ///< [points of the patch] m, of a support; empty: zero
+    template <class Coder>
+    void walk(Coder &coder) {
+      coder(time, vector, pressure, displacements);
+    }
+  } start;
+  template <class Coder>
+  void walk(Coder &coder) {
+    coder(number, condition, start);
+  }
+};
+
 struct SavedInteractions {
   std::vector<SavedInstrument> instruments;
   std::vector<SavedGrasp> grasps;
   std::vector<SavedHold> holds;
   std::vector<SavedLoad> loads;
+  std::vector<SavedCondition> conditions;
+  /// States of earlier versions end before the conditions, and so do states without any.
   template <class Coder>
   void walk(Coder &coder) {
     coder(instruments, grasps, holds, loads);
+    if (Coder::kReads ? !coder.isAtEnd() : !conditions.empty()) coder(conditions);
   }
 };
 

@@ -174,7 +174,9 @@ sdk::SceneRecord SavedState::sceneRecord() const {
 }
 
 std::string SavedState::bytes(ChangeAccess) {
-  SavedInteractions interactions{obstacles_.savedInstruments(), grasps_.saved(), holds_.saved(), forces_.saved()};
+  conditions_.update();
+  SavedInteractions interactions{obstacles_.savedInstruments(), grasps_.saved(), holds_.saved(), forces_.saved(),
+                                 conditions_.saved()};
   const auto state = simulator_.archive().save();
   if (!state) throw Error(C3DE_E_STATE, state.error());
   std::string bytes = bytesOf(interactions);
@@ -213,7 +215,12 @@ void SavedState::load(const void *bytes, std::uint64_t n) {
   const auto grabIds = grasps_.grabIds(interactions.grasps);
   auto loads = forces_.prepare(interactions.loads);
   auto instruments = obstacles_.prepare(interactions.instruments);
+  // The forces of supports are part of the state of a body.
+  conditions_.update();
+  const std::vector<SavedCondition> before = conditions_.saved();
+  conditions_.restore(interactions.conditions);
   const auto loaded = simulator_.archive().load(state, std::move(instruments.obstacles));
+  if (!loaded) conditions_.restore(before);
   table_.syncInstruments(simulator_);
   if (!loaded) throw Error(C3DE_E_FORMAT, loaded.error());
   table_.clearInstrumentHistory();

@@ -13,8 +13,10 @@ namespace pointbased {
 /// interactively.
 class SavedState {
  public:
-  SavedState(SimulatedWorld &world, ExternalForces &forces, Holds &holds, Grasps &grasps, Obstacles &obstacles)
-      : world_(world), forces_(forces), holds_(holds), grasps_(grasps), obstacles_(obstacles) {}
+  SavedState(SimulatedWorld &world, ExternalForces &forces, SurfaceConditions &conditions, Holds &holds, Grasps &grasps,
+             Obstacles &obstacles)
+      : world_(world), forces_(forces), conditions_(conditions), holds_(holds), grasps_(grasps), obstacles_(obstacles) {
+  }
 
   /// The mutex of the world is held.
   [[nodiscard]] std::string bytes(ChangeAccess);
@@ -27,6 +29,7 @@ class SavedState {
 
   SimulatedWorld &world_;
   ExternalForces &forces_;
+  SurfaceConditions &conditions_;
   Holds &holds_;
   Grasps &grasps_;
   Obstacles &obstacles_;

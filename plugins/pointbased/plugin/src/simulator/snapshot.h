@@ -16,6 +16,7 @@
 #include "pointbased/simulator.h"
 #include "report/accuracy_statement.h"
 #include "report/verification.h"
+#include "simulator/surface_condition.h"
 
 namespace pointbased {
 
@@ -139,6 +140,7 @@ struct Snapshot {
   std::vector<ContactSnapshot> contacts;
   std::vector<AttachmentSnapshot> attachments;
   std::vector<GraspSnapshot> grasps;
+  std::vector<ConditionSnapshot> conditions;
   std::vector<StageClock::Summary> stages;
   std::vector<StepComposition> compositions;  ///< of the bodies
   std::vector<SimulationEvent> events;

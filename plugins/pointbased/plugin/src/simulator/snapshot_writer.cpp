@@ -17,7 +17,8 @@ SnapshotWriter::SnapshotWriter(const Services &services, Simulator &simulator, c
       [this](std::uint64_t body, std::vector<double> &out) { simulator_.diagnostics().contactPressures(body, out); });
 }
 
-void SnapshotWriter::publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps) {
+void SnapshotWriter::publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps,
+                             std::vector<ConditionSnapshot> conditions) {
   const std::shared_ptr<Snapshot> s = exchange_.writable();
   s->generation = ++generation_;
   s->time = simulator_.time();
@@ -34,6 +35,7 @@ void SnapshotWriter::publish(const ViewSettings &view, std::vector<GraspSnapshot
   s->events = simulator_.diagnostics().events();
   s->view = view;
   s->grasps = std::move(grasps);
+  s->conditions = std::move(conditions);
   takeBodies(*s);
   takeContact(*s);
   takeView(*s);

@@ -21,7 +21,7 @@ class SnapshotWriter {
 
   /// Publishes the present state. Solver thread.
   /// @param grasps  as they hold now
-  void publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps);
+  void publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps, std::vector<ConditionSnapshot> conditions);
   /// Null before the first. Any thread, without the mutex.
   [[nodiscard]] std::shared_ptr<const Snapshot> latest() const { return exchange_.latest(); }
   /// Called for a body that has been removed.

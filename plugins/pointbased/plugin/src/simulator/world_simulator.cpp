@@ -116,7 +116,8 @@ void WorldSimulator::declarations(std::uint32_t scope, const c3de_param_decl **d
 void WorldSimulator::step() {
   SimulatedWorld &world = parts_.world;
   const std::lock_guard lock(world.mutex);
-  parts_.forces.apply();
+  parts_.conditions.update();
+  parts_.forces.apply(parts_.conditions);
   parts_.grasps.update();
   const double budget =
       isInteracting() ? std::numeric_limits<double>::infinity() : stepBudget(world.parameters, context_.hasWindow);
@@ -154,7 +155,9 @@ void WorldSimulator::reset() {
 
 void WorldSimulator::publish() {
   const std::lock_guard lock(parts_.world.mutex);
-  parts_.snapshots.publish(viewSettings(parts_.world.parameters), parts_.grasps.snapshots());
+  parts_.conditions.update();
+  parts_.snapshots.publish(viewSettings(parts_.world.parameters), parts_.grasps.snapshots(),
+                           parts_.conditions.snapshots());
 }
 
 void WorldSimulator::status(c3de_sim_status *out) {
@@ -200,7 +203,8 @@ void WorldSimulator::report(c3de_sink json) {
                         verified ? verified->body(id) : nullptr});
     }
     text = reportJson(simulator_, bodies, parts_.contacts.reported(), parts_.attachments.reported(),
-                      parts_.grasps.reported(), [this](std::size_t id) { return table_.nameOf(id); });
+                      parts_.grasps.reported(), parts_.conditions.reported(),
+                      [this](std::size_t id) { return table_.nameOf(id); });
   }
   if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");
 }

@@ -13,6 +13,7 @@
 #include "simulator/obstacles.h"
 #include "simulator/probes.h"
 #include "simulator/saved_state.h"
+#include "simulator/surface_conditions.h"
 
 namespace pointbased {
 
@@ -29,6 +30,7 @@ struct SimulatorParts {
   Attachments attachments{world};
   Contacts contacts{world};
   ExternalForces forces{world};
+  SurfaceConditions conditions{world};
   Holds holds{world};
   Grasps grasps{world};
   Probes probes{world};
@@ -36,7 +38,7 @@ struct SimulatorParts {
   Obstacles obstacles{world, attachments};
   BodyQueries queries{world};
   BodyVerifier verifier{world, snapshots};
-  SavedState savedState{world, forces, holds, grasps, obstacles};
+  SavedState savedState{world, forces, conditions, holds, grasps, obstacles};
   Checkpoints checkpoints{world, grasps};
   Changes changes{*this};
   ChangingCalls calls{*this};

@@ -258,6 +258,8 @@ bool BodyStepper::mayGainEnergy(const StepContext &context) const {
   const BoundaryConditions &conditions = body_->rest().conditions;
   for (const Fix &fix : conditions.fixes)
     if (fix.ramp > 0.0 && context.time <= 1.5 * fix.ramp) return true;
+  for (const LiveSupport &support : body_->liveSupports())
+    if (support.ramp > 0.0 && context.time <= support.start + 1.5 * support.ramp) return true;
   for (const Load &load : conditions.loads)
     if ((load.ramp > 0.0 && context.time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
   return !body_->rigid() && body_->constitution().relaxing();

@@ -39,7 +39,10 @@ bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time
     if (isMoving(obstacle.motion, time, dt)) return true;
   const BoundaryConditions &conditions = body.rest().conditions;
   const auto isRamped = [time](const auto &one) { return one.ramp > 0.0 && time < one.ramp; };
-  return std::any_of(conditions.fixes.begin(), conditions.fixes.end(), isRamped) ||
+  const auto isLiveRamped = [time](const LiveSupport &one) { return time < one.start + one.ramp; };
+  const std::span<const LiveSupport> live = body.liveSupports();
+  return std::any_of(live.begin(), live.end(), isLiveRamped) ||
+         std::any_of(conditions.fixes.begin(), conditions.fixes.end(), isRamped) ||
          std::any_of(conditions.loads.begin(), conditions.loads.end(), isRamped);
 }
 

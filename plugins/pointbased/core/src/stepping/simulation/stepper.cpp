@@ -257,6 +257,11 @@ double Stepper::advanceBodies(const detail::StepContext &context) {
   return span;
 }
 
+void Stepper::repeatLastIncrement() {
+  const int increments = state_.settings.loadSteps > 0 ? state_.settings.loadSteps : kUsualLoadSteps;
+  if (state_.finished()) state_.progress.loadFactor = 1.0 - 1.0 / increments;
+}
+
 void Stepper::setExternalForces(std::size_t id, std::span<const Vec3> forces) {
   std::vector<Vec3> copy(forces.begin(), forces.end());
   swapExternalForces(id, copy);

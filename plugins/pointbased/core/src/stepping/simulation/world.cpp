@@ -165,6 +165,14 @@ Result<void> World::setFoundation(std::size_t id, const Foundation &foundation) 
   return {};
 }
 
+void World::setLiveSupports(std::size_t id, std::vector<LiveSupport> supports) {
+  const auto found = state_.bodies.find(id);
+  if (found == state_.bodies.end()) return;
+  found->second->body().setLiveSupports(std::move(supports));
+  found->second->invalidate();
+  found->second->clearEnergyCheckpoint();  // the work of a support is not spurious energy
+}
+
 void World::surfels(std::size_t id, std::vector<Vec3> &positions, std::vector<Vec3> &normals) {
   const Body *target = state_.body(id);
   if (!target) return;
