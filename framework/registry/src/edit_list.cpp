@@ -6,6 +6,11 @@
 #include "c3de/core/log.h"
 
 namespace c3de::registry {
+namespace {
+
+std::size_t bytesOf(const Edit &edit) { return sizeof(Edit) + sizeof(Handle) + edit.owner.size() + edit.label.size(); }
+
+}  // namespace
 
 // A callback may add or remove steps, including its own, so every call uses a copy of the function and its `self`.
 
@@ -15,12 +20,25 @@ EditList::~EditList() {
 
 Handle EditList::add(Edit edit) {
   ++edits_;
-  while (order_.size() > done_) forget(order_.size() - 1);
-  if (order_.size() == kMost) forget(0);
+  forgetUndone();
+  edit.madeAt = std::chrono::steady_clock::now();
+  bytes_ += bytesOf(edit);
+  while (bytes_ > kBudget && !order_.empty()) forget(0);
   const Handle handle = table_.add(std::move(edit));
   order_.push_back(handle);
   done_ = order_.size();
   return handle;
+}
+
+void EditList::forgetUndone() {
+  while (order_.size() > done_) forget(order_.size() - 1);
+}
+
+void EditList::takeBack(Handle edit, bool isUndo) {
+  const auto found = std::find(order_.begin(), order_.end(), edit);
+  if (found == order_.end()) return;
+  const auto index = static_cast<std::size_t>(found - order_.begin());
+  done_ = isUndo ? std::max(done_, index + 1) : std::min(done_, index);
 }
 
 bool EditList::remove(Handle edit) {
@@ -42,6 +60,7 @@ void EditList::forget(std::size_t index) {
   order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(index));
   if (index < done_) --done_;
   table_.remove(handle);
+  bytes_ -= bytesOf(edit);
   if (edit.release) edit.release(edit.self);
 }
 

@@ -5,26 +5,42 @@
 
 namespace c3de::registry {
 
+std::size_t ParameterHistory::bytesOf(const Entry &entry) {
+  std::size_t bytes = sizeof(Entry) + entry.label.size();
+  for (const ParameterValue *value : {&entry.before, &entry.after}) bytes += value->id.size() + value->text.size();
+  return bytes;
+}
+
+void ParameterHistory::erase(std::size_t index) {
+  bytes_ -= bytesOf(entries_[index]);
+  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(index));
+  if (index < done_) --done_;
+}
+
+void ParameterHistory::forgetUndone() {
+  while (canRedo()) erase(entries_.size() - 1);
+}
+
 void ParameterHistory::record(Handle set, const std::string &label, const ParameterValue &before,
                               const ParameterValue &after) {
   ++edits_;
-  entries_.resize(done_);
+  forgetUndone();
   if (isOpen_ && !entries_.empty() && entries_.back().set == set && entries_.back().after.id == after.id) {
+    bytes_ -= bytesOf(entries_.back());
     entries_.back().after = after;
+    bytes_ += bytesOf(entries_.back());
     return;
   }
-  if (entries_.size() == kMaxEntries) entries_.erase(entries_.begin());
-  entries_.push_back({set, label, before, after});
+  entries_.push_back({set, label, before, after, std::chrono::steady_clock::now()});
+  bytes_ += bytesOf(entries_.back());
   done_ = entries_.size();
+  while (bytes_ > kBudget && entries_.size() > 1) erase(0);
   isOpen_ = true;
 }
 
 void ParameterHistory::forget(Handle set) {
   for (std::size_t i = entries_.size(); i-- > 0;)
-    if (entries_[i].set == set) {
-      entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(i));
-      if (i < done_) --done_;
-    }
+    if (entries_[i].set == set) erase(i);
   isOpen_ = false;
 }
 
@@ -33,7 +49,7 @@ void ParameterHistory::undo(ParameterRegistry &registry) {
   while (done_ > 0) {
     const Entry entry = entries_[--done_];
     if (registry.set(entry.set, entry.before, true)) return;
-    entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(done_));
+    erase(done_);
   }
 }
 
@@ -45,7 +61,7 @@ void ParameterHistory::redo(ParameterRegistry &registry) {
       ++done_;
       return;
     }
-    entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(done_));
+    erase(done_);
   }
 }
 

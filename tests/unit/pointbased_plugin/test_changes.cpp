@@ -489,6 +489,43 @@ TEST_CASE("A state is stored while tools hold the bodies, and every step from th
   stepBoth(5);
 }
 
+TEST_CASE("Loads and holds of other plugins keep their handles when a state with them is loaded", "[changes]") {
+  Host host;
+  Simulation simulation(host);
+  c3de_sim_region region{};
+  region.size = sizeof region;
+  region.kind = C3DE_SIM_REGION_HALF_SPACE;
+  region.b[2] = -1.0;
+  c3de_sim_load load{};
+  load.size = sizeof load;
+  load.region = &region;
+  load.force_N[1] = 0.2;
+  c3de_sim_hold part{};
+  part.size = sizeof part;
+  part.at_m[2] = 0.05;
+  part.radius_m = 0.03;
+  c3de_handle added{}, hold{}, later{};
+  simulation.check(simulation.sim->add_load(simulation.self, simulation.bodies[1], &load, &added));
+  simulation.check(simulation.sim->hold(simulation.self, simulation.bodies[0], &part, &hold));
+  simulation.step(3);
+  const std::string state = simulation.save();
+  part.at_m[0] = 0.02;
+  simulation.check(simulation.sim->hold(simulation.self, simulation.bodies[0], &part, &later));
+  simulation.step(3);
+  simulation.check(simulation.sim->load_state(simulation.self, state.data(), state.size()));
+  const std::array<double, 3> target{0.0, 0.0, 0.06};
+  simulation.check(simulation.sim->pull(simulation.self, hold, target.data(), nullptr));
+  c3de_sim_hold_state held{};
+  held.size = sizeof held;
+  simulation.check(simulation.sim->hold_state(simulation.self, hold, &held));
+  // One that the state does not contain is stale.
+  CHECK(simulation.sim->pull(simulation.self, later, target.data(), nullptr) < 0);
+  simulation.check(simulation.sim->remove(simulation.self, added));
+  simulation.check(simulation.sim->remove(simulation.self, hold));
+  CHECK(simulation.sim->remove(simulation.self, added) < 0);
+  simulation.step(3);
+}
+
 TEST_CASE("Damaged states are refused, and nothing has changed", "[changes]") {
   Host host;
   Simulation simulation(host);

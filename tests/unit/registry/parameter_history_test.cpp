@@ -97,3 +97,30 @@ TEST_CASE("when the owner shows other values, or goes, its history goes too") {
   f.registry.history().undo(f.registry);
   CHECK_FALSE(f.registry.history().canUndo());
 }
+
+TEST_CASE("1000 changes are all undone and redone, and the oldest are removed by memory") {
+  Fixture f;
+  ParameterHistory &history = f.registry.history();
+  for (int i = 0; i < 1000; ++i) {
+    f.edit("stiffness", 2.0 + i % 90);
+    history.endGesture();
+  }
+  CHECK(history.undoCount() == 1000);
+  CHECK(history.bytes() <= ParameterHistory::kBudget);
+  for (int i = 0; i < 1000; ++i) history.undo(f.registry);
+  CHECK_FALSE(history.canUndo());
+  CHECK(f.stiffness() == 1.0);
+  while (history.canRedo()) history.redo(f.registry);
+  CHECK(f.stiffness() == 2.0 + 999 % 90);
+  while (history.undoCount() == history.edits()) {
+    REQUIRE(history.edits() < 1000000);
+    f.edit("stiffness", 2.0 + static_cast<double>(history.edits() % 90));
+    history.endGesture();
+  }
+  CHECK(history.undoCount() == history.edits() - 1);
+  CHECK(history.bytes() <= ParameterHistory::kBudget);
+  CHECK(history.bytes() > ParameterHistory::kBudget * 9 / 10);
+  while (history.canUndo()) history.undo(f.registry);
+  CHECK(history.bytes() <= ParameterHistory::kBudget);
+  CHECK(f.stiffness() == 2.0);  // the value before the oldest change that is left
+}

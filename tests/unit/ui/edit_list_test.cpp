@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/registry/edit_list.h"
 
+#include "c3de/registry/parameter_registry.h"
 #include "c3de/ui/edit_history.h"
 #include "support/catch.h"
 
@@ -84,19 +85,46 @@ TEST_CASE("a step that fails is forgotten, and one may remove itself") {
   CHECK_FALSE(list.remove(b.handle));
 }
 
+TEST_CASE("an undo or redo that was not made is taken back") {
+  registry::EditList list;
+  Counter a, b;
+  list.add(a.edit("a"));
+  const Handle handle = list.add(b.edit("b"));
+  list.undo();
+  list.undo();
+  list.takeBack(handle, true);
+  CHECK(list.undoLabel() == "b");
+  CHECK(list.redoLabel().empty());
+  list.undo();
+  list.redo();
+  list.takeBack(handle, false);
+  CHECK(list.undoLabel() == "a");
+  CHECK(list.redoLabel() == "b");
+  list.remove(handle);
+  list.takeBack(handle, true);
+  CHECK(list.undoLabel() == "a");
+}
+
 TEST_CASE("the oldest steps, and those of a plugin that goes, are forgotten") {
   registry::EditList list;
   Counter old, many, other;
-  list.add(old.edit("old"));
-  for (std::size_t i = 0; i < registry::EditList::kMost; ++i) list.add(many.edit("many"));
-  CHECK(old.released == 1);
+  const std::string longLabel(std::size_t{64} << 10, 'm');
+  list.add(old.edit(longLabel));
+  std::size_t added = 0;
+  for (; old.released == 0; ++added) {
+    REQUIRE(added < 1000);
+    list.add(many.edit(longLabel));
+    CHECK(list.bytes() <= registry::EditList::kBudget);
+  }
+  // The first that is not kept is the oldest one, and only that.
+  CHECK(added * longLabel.size() > registry::EditList::kBudget * 9 / 10);
   CHECK(many.released == 0);
   list.undo();
   list.add(other.edit("other", "test.other"));
   CHECK(many.released == 1);
   list.undo();
   list.removeOwnedBy("test.plugin");
-  CHECK(many.released == static_cast<int>(registry::EditList::kMost));
+  CHECK(many.released == static_cast<int>(added));
   CHECK(list.undoLabel().empty());
   CHECK(list.redoLabel() == "other");
   list.removeOwnedBy("test.other");
@@ -127,4 +155,64 @@ TEST_CASE("steps of plugins are a part of the window's history") {
   CHECK(history.redoLabel() == "pull on liver");
   history.redo();
   CHECK(a.value == 1);
+}
+
+TEST_CASE("parameters and steps of plugins are undone and redone in the order in which they were made") {
+  registry::ParameterRegistry parameters;
+  registry::ParameterSet declared;
+  ParameterDecl decl;
+  decl.id = "stiffness";
+  decl.label = "Stiffness";
+  decl.max = 100.0;
+  decl.fallback = 1.0;
+  declared.decls.push_back(decl);
+  declared.listener.changed = [](void *, const c3de_param_value *) {};
+  const Handle set = parameters.declare(std::move(declared));
+  registry::EditList list;
+  EditHistory history;
+  Counter pull;
+  const auto follow = [&] { history.follow(&parameters, nullptr, &list); };
+  const auto stiffness = [&] { return parameters.find(set)->values[0].num; };
+  const auto edit = [&](double x) {
+    ParameterValue value;
+    value.id = "stiffness";
+    value.num = x;
+    REQUIRE(parameters.edit(set, value));
+    parameters.history().endGesture();
+    follow();
+  };
+  const auto makePull = [&] {
+    ++pull.value;
+    list.add(pull.edit("pull"));
+    follow();
+  };
+  edit(2.0);
+  makePull();
+  edit(3.0);
+  makePull();
+  std::vector<std::string> labels;
+  for (; !history.undoLabel().empty(); history.undo()) labels.push_back(history.undoLabel());
+  CHECK(labels == std::vector<std::string>{"pull", "Stiffness", "pull", "Stiffness"});
+  CHECK(pull.value == 1);
+  CHECK(stiffness() == 1.0);
+  history.redo();
+  CHECK(stiffness() == 2.0);
+  CHECK(pull.value == 1);
+  history.redo();
+  CHECK(pull.value == 2);
+  history.redo();
+  CHECK(stiffness() == 3.0);
+  history.redo();
+  CHECK(pull.value == 3);
+  CHECK(history.redoLabel().empty());
+  // An edit after an undo removes what was undone, also of the other kind.
+  history.undo();
+  CHECK(history.redoLabel() == "pull");
+  edit(4.0);
+  CHECK(history.redoLabel().empty());
+  CHECK(history.undoLabel() == "Stiffness");
+  history.undo();
+  CHECK(stiffness() == 3.0);
+  makePull();
+  CHECK(history.redoLabel().empty());
 }

@@ -38,17 +38,23 @@ void SimulationHistory::captureVersion(std::function<void(const Expected<SharedV
 
 void SimulationHistory::captureBefore(const std::function<void()> &act) {
   before_.reset();
+  notCaptured_.clear();
   captureVersion([this, act](const Expected<SharedVersion> &version) {
     if (version)
       before_ = *version;
     else
-      log(LogLevel::info, "what follows cannot be undone: " + version.error().message);
+      notCaptured_ = version.error().message;
     act();
   });
 }
 
 void SimulationHistory::add(const std::string &label, bool picksAgain) {
-  if (!before_) return;
+  if (!before_) {
+    if (const std::string why = std::exchange(notCaptured_, {}); !why.empty())
+      parts_.panels.notify(C3DE_LOG_WARN, "This cannot be undone: " + label,
+                           "The state before it could not be stored: " + why, {}, registry::About::simulation);
+    return;
+  }
   const std::uint64_t number = ++lastNumber_;
   auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}, picksAgain});
   registry::Edit edit;
@@ -113,7 +119,7 @@ void SimulationHistory::begin() {
   captureVersion([this, exchange](const Expected<SharedVersion> &present) mutable {
     if (!stepOf(exchange)) return;
     // Redo would not find the present state again.
-    if (!present) return onFailed(exchange, present.error());
+    if (!present) return onNotCaptured(exchange, present.error());
     exchange.present = *present;
     restore(exchange);
   });
@@ -124,6 +130,15 @@ void SimulationHistory::onFailed(const Exchange &exchange, const Error &error) {
   parts_.failed("Could not " + actionText(step.label, exchange.isUndo), error);
   (void)parts_.edits.remove(step.edit);
   end();
+}
+
+void SimulationHistory::onNotCaptured(const Exchange &exchange, const Error &error) {
+  parts_.failed("Could not " + actionText(stepOf(exchange)->label, exchange.isUndo),
+                {error.code, error.message + "\nThe step is kept: try it again."});
+  const std::deque<Exchange> waiting = std::exchange(queue_, {});
+  for (auto one = waiting.rbegin(); one != waiting.rend(); ++one)
+    if (const auto step = steps_.find(one->step); step != steps_.end())
+      parts_.edits.takeBack(step->second->edit, one->isUndo);
 }
 
 void SimulationHistory::restore(const Exchange &exchange) {

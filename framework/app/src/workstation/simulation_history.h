@@ -83,6 +83,8 @@ class SimulationHistory {
   void restore(const Exchange &exchange);
   void onRestored(const Exchange &exchange);
   void onFailed(const Exchange &exchange, const Error &error);
+  /// The present state could not be stored: the step, and those that wait, stay as they were.
+  void onNotCaptured(const Exchange &exchange, const Error &error);
   void end();
   void keepWithinBudget();
 
@@ -90,6 +92,7 @@ class SimulationHistory {
   std::map<std::uint64_t, std::unique_ptr<Step>> steps_;  ///< by number
   std::uint64_t lastNumber_ = 0;
   SharedVersion before_;
+  std::string notCaptured_;     ///< why there is no before_; empty: it is there, or nothing was captured
   std::deque<Exchange> queue_;  ///< the first one is in progress
   std::uint64_t lastSerial_ = 0;
 };

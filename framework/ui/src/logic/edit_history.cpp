@@ -17,7 +17,11 @@ void EditHistory::follow(registry::ParameterRegistry *parameters, segmentation::
   for (const Source source : {Source::parameters, Source::segmentation, Source::steps}) {
     std::uint64_t &seen = edits_[static_cast<std::size_t>(source)];
     const std::uint64_t edits = editsOf(source);
-    if (edits != seen) bringForward(source);
+    if (edits != seen) {
+      bringForward(source);
+      if (source == Source::parameters && steps_) steps_->forgetUndone();
+      if (source == Source::steps && parameters_) parameters_->history().forgetUndone();
+    }
     seen = edits;
   }
 }
@@ -55,9 +59,20 @@ EditHistory::Source EditHistory::source(bool isUndo) const {
     // Undoing twice in quick succession applies to its steps both times.
     const bool isBusy =
         source == Source::segmentation && source == latestFirst_.front() && workflow_ && workflow_->mask().isBusy();
-    if (isBusy || !label(source, isUndo).empty()) return source;
+    if (isBusy || !label(source, isUndo).empty()) return inOrder(source, isUndo);
   }
   return latestFirst_.front();
+}
+
+EditHistory::Source EditHistory::inOrder(Source source, bool isUndo) const {
+  if (source == Source::segmentation || !parameters_ || !steps_) return source;
+  const Source other = source == Source::parameters ? Source::steps : Source::parameters;
+  if (label(other, isUndo).empty()) return source;
+  const registry::ParameterHistory &parameters = parameters_->history();
+  const auto ofParameters = isUndo ? parameters.undoTime() : parameters.redoTime();
+  const auto ofSteps = isUndo ? steps_->undoTime() : steps_->redoTime();
+  if (ofParameters == ofSteps) return source;
+  return (ofParameters > ofSteps) == isUndo ? Source::parameters : Source::steps;
 }
 
 void EditHistory::apply(bool isUndo) {

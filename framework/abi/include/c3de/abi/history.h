@@ -23,8 +23,8 @@ typedef struct c3de_history_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  /* A step that has been done just now. Steps that were undone are forgotten; so is the oldest when there are more than
-   * 100. [main] */
+  /* A step that has been done just now. Steps that were undone are forgotten; so are the oldest when the list of the host
+   * needs more than 16 MiB. The plugin limits the states that its steps keep, and removes its oldest steps. [main] */
   c3de_status(C3DE_CALL *add)(void *ctx, const c3de_edit *edit, c3de_handle *out);
   /* Forgets a step whose object is gone; C3DE_E_STALE when it is forgotten already. [main] */
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle edit);

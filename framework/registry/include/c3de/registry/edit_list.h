@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,6 +19,7 @@ struct Edit {
   c3de_status(C3DE_CALL *undo)(void *self) = nullptr;
   c3de_status(C3DE_CALL *redo)(void *self) = nullptr;
   void(C3DE_CALL *release)(void *self) = nullptr;
+  std::chrono::steady_clock::time_point madeAt{};  ///< set by EditList::add()
 };
 
 /// The undo and redo steps of plugins, in order. Main thread only.
@@ -26,7 +29,8 @@ class EditList {
   EditList(const EditList &) = delete;
   EditList &operator=(const EditList &) = delete;
   ~EditList();
-  /// Adds a step that has been done. Undone steps are removed, and the oldest one if there are too many.
+  /// Adds a step that has been done. Undone steps are removed, and the oldest ones while the list needs more than
+  /// kBudget. The states that a step restores belong to its owner, who limits them and removes its oldest steps.
   Handle add(Edit edit);
   bool remove(Handle edit);
   void removeOwnedBy(const std::string &plugin);
@@ -39,11 +43,24 @@ class EditList {
   [[nodiscard]] std::string redoLabel() const {
     return done_ < order_.size() ? table_.find(order_[done_])->label : std::string();
   }
+  using Time = std::chrono::steady_clock::time_point;
+  /// When the step was made that would be undone or redone; the epoch of the clock if there is none.
+  [[nodiscard]] Time undoTime() const { return done_ > 0 ? table_.find(order_[done_ - 1])->madeAt : Time(); }
+  [[nodiscard]] Time redoTime() const { return done_ < order_.size() ? table_.find(order_[done_])->madeAt : Time(); }
+  /// An undo or redo that was only begun has not been made: the step is again what it was before. No effect if it is
+  /// removed.
+  void takeBack(Handle edit, bool isUndo);
+  /// Removes what was undone: something else has been edited since.
+  void forgetUndone();
+  [[nodiscard]] std::size_t undoCount() const { return done_; }
   /// A step that fails is removed; the cause is logged.
   void undo();
   void redo();
 
-  static constexpr std::size_t kMost = 100;
+  /// Bytes of the list itself: about 100 000 steps.
+  static constexpr std::size_t kBudget = std::size_t{16} << 20;
+  /// Of the list, as they count for kBudget.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
   void forget(std::size_t index);
@@ -53,6 +70,7 @@ class EditList {
   std::vector<Handle> order_;
   std::size_t done_ = 0;  ///< index in the order: earlier steps can be undone, the others redone
   std::uint64_t edits_ = 0;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace c3de::registry

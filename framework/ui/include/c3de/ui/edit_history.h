@@ -17,8 +17,9 @@ class ParameterRegistry;
 
 namespace c3de::ui {
 
-/// Undo and Redo of the window. They apply to parameters, to the steps of a segmentation or to the steps of plugins,
-/// whichever was edited last. If that one has nothing to undo or redo, the previously edited one is used. While a step
+/// Undo and Redo of the window. They apply to parameters, to the steps of a segmentation or to the steps of plugins.
+/// Parameters and steps of plugins are undone and redone in the order in which they were made; an edit of one of them
+/// removes what was undone of the other. The segmentation comes first while it was edited last. While a step
 /// of the segmentation is being computed, nothing is undone or redone. The selection from which a body was created is
 /// not undone here once the body exists: it would cover the body. Main thread.
 class EditHistory {
@@ -40,6 +41,8 @@ class EditHistory {
   /// The source to which the next undo or redo applies.
   [[nodiscard]] Source source(bool isUndo) const;
   void bringForward(Source source);
+  /// Parameters or steps, whichever has the step to be undone or redone next.
+  [[nodiscard]] Source inOrder(Source source, bool isUndo) const;
   void apply(bool isUndo);
 
   registry::ParameterRegistry *parameters_ = nullptr;

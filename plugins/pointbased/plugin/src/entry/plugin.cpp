@@ -31,8 +31,8 @@ class PointBasedPlugin : public SimulatorListener {
       sdk::optional<c3de_commands_v1>()};
 
   explicit PointBasedPlugin(sdk::Host host)
-      : context_(host, this), pinch_(context_.services), touch_(context_.services), grasp_(context_.services),
-        move_(context_.services), load_(context_.services) {
+      : context_(host, this), pinch_(context_.services, steps_), touch_(context_.services, steps_),
+        grasp_(context_.services, steps_), move_(context_.services, steps_), load_(context_.services, steps_) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
         C3DE_POINTBASED_WORLD_SIMULATOR_CLASS, "Point-based simulator",
@@ -78,8 +78,8 @@ class PointBasedPlugin : public SimulatorListener {
         sdk::orThrow(load_.add(host, {.id = "pointbased.load",
                                       .label = "Load",
                                       .hint = "Paint on the surface, or click a face, then set a support or a load in "
-                                              "the panel; Shift removes, [ and ] change the radius, Esc clears",
-                                      .shortcut = 'L',
+                                              "the panel; E removes, [ and ] change the radius, Esc clears",
+                                      .shortcut = 'B',
                                       .inSlices = true}));
       }
       if (const sdk::Commands commands(host); commands)
@@ -139,6 +139,7 @@ class PointBasedPlugin : public SimulatorListener {
   PluginContext context_;
   WorldSimulator *current_ = nullptr;  // the last attached one
   std::map<WorldSimulator *, std::unique_ptr<SimulatorView>> views_;
+  std::shared_ptr<InteractionSteps> steps_ = std::make_shared<InteractionSteps>();
   PinchTool pinch_;
   TouchTool touch_;
   GraspTool grasp_;

@@ -87,10 +87,12 @@ void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
   obstacles_.setSimulator(simulator);
   loads_.setSimulator(simulator);
   simulator_ = simulator;
+  pendingEdits_ = std::make_shared<std::atomic<int>>(0);
   view_ = view;
   body_ = 0;
   if (!simulator_) return;
   declareBody();
+  followedWorld_ = simulator_->parts().parameters.shown();
   const ParameterValues world = simulator_->parts().parameters.values();
   for (const c3de_param_decl &d : worldDeclarations())
     if (const auto value = world.get(sdk::text(d.id))) (void)worldParameters_.set(*value);
@@ -107,7 +109,7 @@ void Controller::followBody(const Snapshot *snapshot) {
 /// Shows values that were set outside of the panel, for example by a replay. An edit that has not been applied yet is
 /// kept.
 void Controller::followValues(const BodySnapshot &body) {
-  if (body.values == followed_) return;
+  if (body.values == followed_ || *pendingEdits_ > 0) return;
   const std::shared_ptr<const ParameterValues> before = std::exchange(followed_, body.values);
   for (const c3de_param_decl &d : declared_) {
     const std::string_view id = sdk::text(d.id);
@@ -115,6 +117,21 @@ void Controller::followValues(const BodySnapshot &body) {
     if (!now || !last || !shown || isEqual(*now, *last) || !isEqual(*shown, *last)) continue;
     (void)nextValues_.set(*now);
     (void)bodyParameters_.set(*now);
+  }
+}
+
+/// The same for the values of the world.
+void Controller::followWorld() {
+  if (*pendingEdits_ > 0) return;
+  const std::shared_ptr<const ParameterValues> values = simulator_->parts().parameters.shown();
+  if (values == followedWorld_) return;
+  const std::shared_ptr<const ParameterValues> before = std::exchange(followedWorld_, values);
+  for (const c3de_param_decl &d : worldDeclarations()) {
+    const std::string_view id = sdk::text(d.id);
+    const auto now = values->get(id), shown = worldParameters_.get(id);
+    const auto last = before ? before->get(id) : shown;
+    if (!now || !last || !shown || isEqual(*now, *last) || !isEqual(*shown, *last)) continue;
+    (void)worldParameters_.set(*now);
   }
 }
 
@@ -133,6 +150,7 @@ void Controller::draw(sdk::Ui &ui) {
   }
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
+  followWorld();
   // The settings of the active tool come first, where they are seen at once.
   if (tools_.pinch.isActive()) drawPinch(ui);
   if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
@@ -402,9 +420,22 @@ void Controller::bodyParameterChanged(const c3de_param_value &value) {
     if (sdk::text(d.id) == sdk::text(value.id) && (d.flags & C3DE_PARAM_NEEDS_RESET)) return;
   if (!simulator_ || body_ == 0) return;
   simulator_->abandonLongStep();
+  postEdit([body = body_, owned = ParameterEntry(value)](WorldSimulator &simulator) {
+    setBodyParameter(simulator, body, owned);
+  });
+}
+
+void Controller::postEdit(std::function<void(WorldSimulator &)> edit) {
+  struct Pending {
+    explicit Pending(std::shared_ptr<std::atomic<int>> of) : count(std::move(of)) { ++*count; }
+    ~Pending() { --*count; }
+    Pending(const Pending &) = delete;
+    Pending &operator=(const Pending &) = delete;
+    std::shared_ptr<std::atomic<int>> count;
+  };
   (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body = body_,
-                                   owned = ParameterEntry(value)] { setBodyParameter(*simulator, body, owned); });
+                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), edit = std::move(edit),
+                                   pending = std::make_shared<Pending>(pendingEdits_)] { edit(*simulator); });
 }
 
 void Controller::worldParameterChanged(const c3de_param_value &value) {
@@ -417,10 +448,9 @@ void Controller::worldParameterChanged(const c3de_param_value &value) {
     for (const std::string_view other : kAccuracyTargets)
       if (other != id) (void)worldParameters_.set(sdk::textValue(other, "auto"));
   if (!isOfTheView(id)) simulator_->abandonLongStep();
-  (void)services_.simulation.post(
-      simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), owned = ParameterEntry(value)] {
-        (void)simulator->parts().changes.make(SetWorldParameters{{owned}});
-      });
+  postEdit([owned = ParameterEntry(value)](WorldSimulator &simulator) {
+    (void)simulator.parts().changes.make(SetWorldParameters{{owned}});
+  });
 }
 
 void Controller::load() {

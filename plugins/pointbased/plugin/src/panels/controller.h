@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+
 #include "c3de/sdk/panel.hpp"
 #include "panels/load_panel.h"
 #include "panels/obstacle_panel.h"
@@ -60,9 +62,11 @@ class Controller : public sdk::Panel {
   void followBody(const Snapshot *snapshot);
   void showBody(const BodySnapshot &body);
   void followValues(const BodySnapshot &body);
+  void followWorld();
   void chooseBody(sdk::Ui &ui, const Snapshot &snapshot);
   void suggestRigid(sdk::Ui &ui, const Snapshot &snapshot);
   void makeRigid(std::uint64_t body);
+  void postEdit(std::function<void(WorldSimulator &)> edit);
   void bodyParameterChanged(const c3de_param_value &value);
   void worldParameterChanged(const c3de_param_value &value);
   void report(const std::string &title, const std::string &text);
@@ -77,7 +81,10 @@ class Controller : public sdk::Panel {
   ParameterValues nextValues_{bodyDeclarations()};   // values for the next load or rebuild
   std::optional<c3de_handle> trials_;                // the job that computes the displacement trials
   std::shared_ptr<const ParameterValues> followed_;  // those of the body when they were last compared
-  std::uint64_t body_ = 0;                           // the body to which the parameters belong
+  std::shared_ptr<const ParameterValues> followedWorld_;
+  /// Edits that the simulation has not executed yet; until then the panel is ahead of it and does not follow.
+  std::shared_ptr<std::atomic<int>> pendingEdits_ = std::make_shared<std::atomic<int>>(0);
+  std::uint64_t body_ = 0;  // the body to which the parameters belong
   std::string path_;
   std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;

@@ -121,10 +121,14 @@ std::vector<ExternalForces::RuntimeLoad> ExternalForces::prepare(const std::vect
 }
 
 void ExternalForces::restore(std::vector<RuntimeLoad> loads) {
+  std::map<std::uint64_t, std::uint64_t> ids;  // by number: a plugin keeps the handle of its load
+  for (const auto &[id, load] : loads_) ids.emplace(load.number, id);
   loads_.clear();
   for (RuntimeLoad &live : loads) {
     lastNumber_ = std::max(lastNumber_, live.number);
-    loads_.emplace(world_.allocateIds(1), std::move(live));
+    const auto known = ids.find(live.number);
+    const std::uint64_t id = known != ids.end() ? known->second : world_.allocateIds(1);
+    loads_.emplace(id, std::move(live));
   }
 }
 

@@ -118,10 +118,14 @@ std::vector<SavedHold> Holds::saved() const {
 }
 
 void Holds::restore(const std::vector<SavedHold> &saved) {
+  std::map<std::uint64_t, std::uint64_t> ids;  // by number: a plugin keeps the handle of its hold
+  for (const auto &[id, hold] : holds_) ids.emplace(hold.number, id);
   holds_.clear();
   for (const SavedHold &one : saved) {
-    holds_.emplace(world_.allocateIds(1), Hold{table_.bodyNamed(one.body), one.fromNamed, one.target, one.rotation,
-                                               one.keepsShape, one.number});
+    const auto known = ids.find(one.number);
+    holds_.emplace(
+        known != ids.end() ? known->second : world_.allocateIds(1),
+        Hold{table_.bodyNamed(one.body), one.fromNamed, one.target, one.rotation, one.keepsShape, one.number});
     lastNumber_ = std::max(lastNumber_, one.number);
   }
 }

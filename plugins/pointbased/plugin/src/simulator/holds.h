@@ -29,7 +29,8 @@ class Holds {
   void moveGrab(ChangeAccess access, std::uint64_t body, const Vec3 &target);
   void releaseGrab(ChangeAccess access, std::uint64_t body);
   [[nodiscard]] std::vector<SavedHold> saved() const;
-  /// Replaces all holds by those of a state that was loaded.
+  /// Replaces all holds by those of a state that was loaded. One that is also there now, by its number, keeps its
+  /// handle; those of another simulator get new ones.
   void restore(const std::vector<SavedHold> &saved);
   void clear() { holds_.clear(); }
 

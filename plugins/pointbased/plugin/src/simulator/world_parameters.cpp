@@ -20,6 +20,7 @@ void WorldParameters::set(ChangeAccess, std::span<const c3de_param_value> values
   if (settings.integrator == Integrator::quasiStatic)
     for (const auto &[id, record] : table_.bodies()) record.checkFree(*record.values, true);
   world_.parameters = std::move(changed);
+  show();
   // Parameters that affect only the view or the time limit of a step are not passed to the solver.
   const auto isForTheSolver = [](const c3de_param_value &value) {
     return !isOfTheView(sdk::text(value.id)) && sdk::text(value.id) != "solver.step_budget";
@@ -46,8 +47,20 @@ void WorldParameters::growBox(const BodyRecord &body) {
     sdk::orThrow(changed.set(value));
   }
   world_.parameters = std::move(changed);
+  show();
   simulator_.setWorld(worldSettings(world_.parameters));
   world_.context.services.log.info("the world box was enlarged for '" + body.name + "'");
+}
+
+void WorldParameters::show() {
+  auto values = std::make_shared<const ParameterValues>(world_.parameters);
+  const std::lock_guard lock(shownMutex_);
+  shown_ = std::move(values);
+}
+
+std::shared_ptr<const ParameterValues> WorldParameters::shown() const {
+  const std::lock_guard lock(shownMutex_);
+  return shown_;
 }
 
 ParameterValues WorldParameters::values() const {

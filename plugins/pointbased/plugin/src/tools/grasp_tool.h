@@ -13,7 +13,8 @@ namespace pointbased {
 /// them resumes. An arrow shows the pull, a label its magnitude and the squeeze.
 class GraspTool : public InteractiveTool {
  public:
-  explicit GraspTool(const Services &services) : InteractiveTool(services) {}
+  GraspTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
+      : InteractiveTool(services, std::move(steps)) {}
 
   [[nodiscard]] const GraspSettings &settings() const { return settings_; }
   /// Settings chosen by the user, for the next grasp. Until set, the jaws are at least two spacings of the first

@@ -75,13 +75,14 @@ void InteractionHistory::end(const std::string &title, Kind kind) {
   const auto step = services_.history.add(title, exchangeStates, exchangeStates);
   if (!step) return;
   undo.step = *step;
-  undoStates_.push_back(std::move(undo));
+  std::deque<UndoState> &states = steps_->states_;
+  states.push_back(std::move(undo));
   std::size_t bytes = 0;
-  for (const UndoState &one : undoStates_) bytes += one.bytes;
-  while (undoStates_.size() > 1 && (bytes > kBudget || undoStates_.size() > kMaxSteps)) {
-    bytes -= undoStates_.front().bytes;
-    services_.history.remove(undoStates_.front().step);
-    undoStates_.pop_front();
+  for (const UndoState &one : states) bytes += one.bytes;
+  while (states.size() > 1 && bytes > InteractionSteps::kBudget) {
+    bytes -= states.front().bytes;
+    services_.history.remove(states.front().step);
+    states.pop_front();
   }
 }
 
@@ -96,7 +97,7 @@ bool InteractionHistory::isOutdated(const UndoState &undo) {
 }
 
 void InteractionHistory::update() {
-  std::erase_if(undoStates_, [this](const UndoState &undo) {
+  std::erase_if(steps_->states_, [this](const UndoState &undo) {
     if (!isOutdated(undo)) return false;
     services_.history.remove(undo.step);
     return true;
@@ -105,8 +106,8 @@ void InteractionHistory::update() {
 
 void InteractionHistory::clear() {
   pending_.reset();
-  for (const UndoState &undo : undoStates_) services_.history.remove(undo.step);
-  undoStates_.clear();
+  for (const UndoState &undo : steps_->states_) services_.history.remove(undo.step);
+  steps_->states_.clear();
 }
 
 }  // namespace pointbased

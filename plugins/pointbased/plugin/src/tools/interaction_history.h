@@ -2,17 +2,24 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <string>
 
 #include "simulator/world_simulator.h"
 
 namespace pointbased {
 
+/// The undo steps of all tools, oldest first. Their states share one budget: while they need more, the oldest steps are
+/// removed. Main thread.
+class InteractionSteps;
+
 /// Pulls, touches and moves as undo steps of the window: back to the state before the interaction, and forward again. A
 /// restart of the simulation (a reset, another body) removes them. Main thread.
 class InteractionHistory {
  public:
-  explicit InteractionHistory(const Services &services) : services_(services) {}
+  /// @param steps  shared by all tools
+  InteractionHistory(const Services &services, std::shared_ptr<InteractionSteps> steps)
+      : services_(services), steps_(std::move(steps)) {}
 
   /// Called before the interaction begins.
   void begin(const sdk::Ref<WorldSimulator> &simulator);
@@ -27,8 +34,7 @@ class InteractionHistory {
   void clear();
 
  private:
-  static constexpr std::size_t kMaxSteps = 100;                  // as many as the window keeps
-  static constexpr std::size_t kBudget = std::size_t{64} << 20;  // bytes of the stored states
+  friend class InteractionSteps;
   class StoredCheckpoint;
   struct UndoState {
     sdk::Ref<WorldSimulator> simulator;
@@ -42,7 +48,16 @@ class InteractionHistory {
 
   const Services &services_;
   std::optional<UndoState> pending_;
-  std::deque<UndoState> undoStates_;
+  std::shared_ptr<InteractionSteps> steps_;
+};
+
+class InteractionSteps {
+ public:
+  static constexpr std::size_t kBudget = std::size_t{256} << 20;  ///< bytes of the stored states
+
+ private:
+  friend class InteractionHistory;
+  std::deque<InteractionHistory::UndoState> states_;
 };
 
 }  // namespace pointbased

@@ -17,7 +17,9 @@ class InteractiveTool : public sdk::Tool {
   void setSimulator(WorldSimulator *simulator);
 
  protected:
-  explicit InteractiveTool(const Services &services) : services_(services), history_(services) {}
+  /// @param steps  undo steps of all tools
+  InteractiveTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
+      : services_(services), history_(services, std::move(steps)) {}
   /// Releases everything, because the simulator changes or is removed.
   virtual void detach() = 0;
   /// Makes a change between two steps of the simulation, on its thread. No effect if what it names has been removed.

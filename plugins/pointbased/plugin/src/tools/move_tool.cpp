@@ -55,7 +55,8 @@ Mat3 rotationOf(const Vec3 &angles_deg) {
       .toRotationMatrix();
 }
 
-MoveTool::MoveTool(const Services &services) : InteractiveTool(services) {}
+MoveTool::MoveTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
+    : InteractiveTool(services, std::move(steps)) {}
 
 const ObstacleSnapshot *MoveTool::chosenObstacle(const std::shared_ptr<const Snapshot> &snapshot) const {
   const ObstacleSnapshot *found = snapshot && chosen_ != 0 ? snapshot->obstacle(chosen_) : nullptr;

@@ -25,7 +25,7 @@ struct ObstaclePose {
 /// moved.
 class MoveTool : public InteractiveTool {
  public:
-  explicit MoveTool(const Services &services);
+  MoveTool(const Services &services, std::shared_ptr<InteractionSteps> steps);
 
   bool onEvent(const c3de_event &event) override;
   void cancel() override;

@@ -13,7 +13,8 @@ constexpr double kMarkerRadius = 0.3;  // of the spacing
 
 }  // namespace
 
-PinchTool::PinchTool(const Services &services) : InteractiveTool(services) {}
+PinchTool::PinchTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
+    : InteractiveTool(services, std::move(steps)) {}
 
 bool PinchTool::onEvent(const c3de_event &event) {
   if (event.type == C3DE_EVENT_PRESS && event.button == C3DE_BUTTON_LEFT) return press(event);

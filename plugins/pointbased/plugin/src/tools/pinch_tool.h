@@ -16,7 +16,7 @@ namespace pointbased {
 /// button is released. A grab of a state that was loaded is shown; Escape or the next press releases it.
 class PinchTool : public InteractiveTool {
  public:
-  explicit PinchTool(const Services &services);
+  PinchTool(const Services &services, std::shared_ptr<InteractionSteps> steps);
 
   void setSettings(const PinchSettings &settings) { settings_ = settings; }
 

@@ -31,7 +31,8 @@ bool isWithin(const ObstacleSnapshot &instrument, const Vec3 &position) {
 
 }  // namespace
 
-TouchTool::TouchTool(const Services &services) : InteractiveTool(services) {}
+TouchTool::TouchTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
+    : InteractiveTool(services, std::move(steps)) {}
 
 void TouchTool::setSettings(const InstrumentSettings &settings) {
   if (settings == settings_) return;

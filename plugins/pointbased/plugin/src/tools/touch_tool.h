@@ -22,7 +22,7 @@ struct InstrumentSettings {
 /// arrow shows the force on it, a label its magnitude.
 class TouchTool : public InteractiveTool {
  public:
-  explicit TouchTool(const Services &services);
+  TouchTool(const Services &services, std::shared_ptr<InteractionSteps> steps);
 
   [[nodiscard]] const InstrumentSettings &settings() const { return settings_; }
   /// Settings chosen by the user: an existing instrument is recreated at its position. Until set, the radius is at
