@@ -394,6 +394,60 @@ TEST_CASE("Files are found in a folder by their content, folders by name and con
   CHECK(cancelled.error().code == ErrorCode::cancelled);
 }
 
+TEST_CASE("Headers of equal text with different voxels keep their own voxels") {
+  const fs::path folder = emptyFolder();
+  const ScopedEnvironment home{"C3DE_HOME", (folder / "home").string()};
+  const std::string header =
+      "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = ct.raw\n";
+  SessionFile session;
+  FileReferences references;
+  std::vector<std::string> paths;
+  for (const char *patient : {"a", "b", "same"}) {
+    fs::create_directories(folder / patient);
+    const fs::path file = write(folder / patient / "ct.mhd", header);
+    write(folder / patient / "ct.raw", *patient == 'b' ? "bbbbbbbb" : "aaaaaaaa");
+    const auto path = addFile(file, folder, references, {}, Embedding::all, session);
+    if (!path) FAIL(path.error().message);
+    paths.push_back(*path);
+  }
+  CHECK(paths[0] != paths[1]);
+  CHECK(paths[0] == paths[2]);  // equal contents are stored once
+  CHECK(session.embedded.size() == 4);
+  const fs::path file = folder / "pairs.c3de";
+  if (const auto written = writeSession(session, file); !written) FAIL(written.error().message);
+  for (const char *patient : {"a", "b", "same"}) fs::remove_all(folder / patient);
+  const auto read = readSession(file, EmbeddedContent::stays);
+  if (!read) FAIL(read.error().message);
+  const auto files = locateFiles(*read, file);
+  if (!files) FAIL(files.error().message);
+  CHECK(textIn(placeOf(*files, paths[0]).parent_path() / "ct.raw") == "aaaaaaaa");
+  CHECK(textIn(placeOf(*files, paths[1]).parent_path() / "ct.raw") == "bbbbbbbb");
+  CHECK(textIn(placeOf(*files, paths[1])) == header);
+}
+
+TEST_CASE("A folder that cannot be read is reported by the search, and the others are searched") {
+  const fs::path folder = emptyFolder(), locked = folder / "disk" / "a" / "locked", other = folder / "disk" / "z";
+  fs::create_directories(locked);
+  fs::create_directories(other);
+  const fs::path file = write(folder / "box.obj", "v 1 2 3\n");
+  const auto reference = referenceTo(file, folder);
+  REQUIRE(reference);
+  fs::rename(file, other / "renamed.obj");
+  fs::permissions(locked, fs::perms::none);
+  std::error_code code;
+  const bool isLocked = fs::directory_iterator(locked, code) == fs::directory_iterator() && code;
+  std::vector<FoundFile> files{{*reference, {}, FoundFile::State::missing, nullptr}};
+  std::vector<std::string> unread;
+  const auto searched = searchFolder(folder / "disk", files, {}, &unread);
+  fs::permissions(locked, fs::perms::owner_all);
+  REQUIRE(searched);
+  CHECK(files.front().state == FoundFile::State::same);
+  CHECK(files.front().at == other / "renamed.obj");
+  if (!isLocked) C3DE_SKIP("this user reads every folder");
+  REQUIRE(unread.size() == 1);
+  CHECK_THAT(unread.front(), Contains("locked"));
+}
+
 TEST_CASE("Zip members are written in pieces, with headers for 4 GiB and more") {
   const fs::path file = emptyFolder() / "a.zip";
   const std::string long_(3'000'000, 'z');

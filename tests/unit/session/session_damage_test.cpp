@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Session files that are truncated, damaged or hostile are refused with their name, or read as they were saved.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -148,6 +150,27 @@ TEST_CASE("Two members of one name, encrypted ones and other methods are refused
   changed = bytes;
   changed[entryOf(bytes, "m/2") + 10] = 93;
   CHECK_THAT(refusal(write(file, changed)), Contains("member 'm/2' is packed by method 93; accepted: 0"));
+}
+
+TEST_CASE("A session with more members than are read is not saved, and the former file stays") {
+  const fs::path folder = emptyFolder(), file = write(folder / "a.c3de", "former");
+  SessionFile session;
+  session.scenes = {"format = 1\n"};
+  for (std::uint64_t i = 0; i < kMostZipMembers - 2; ++i) session.members[fmt::format("m/{}", i)];
+  // session.json, the scene and these: exactly as many as are read.
+  const auto most = sessionBytes(session);
+  if (!most) FAIL(most.error().message);
+  session.members["one too many"];
+  const auto refused = writeSession(session, file);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::usage);
+  CHECK_THAT(refused.error().message, Contains("a.c3de") && Contains("100001 members; accepted: up to 100000"));
+  CHECK(textIn(file) == "former");
+  session.embedded["files/" + std::string(64, 'a') + "/x"] = write(folder / "x", "x");
+  const auto streamed = writeSession(session, file);
+  REQUIRE_FALSE(streamed);
+  CHECK_THAT(streamed.error().message, Contains("one too many; accepted: up to 100000"));
+  CHECK(textIn(file) == "former");
 }
 
 TEST_CASE("Sizes that cannot be true or exceed the limit are refused before anything is unpacked") {

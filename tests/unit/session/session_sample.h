@@ -44,6 +44,8 @@ inline session::SessionFile fullSession() {
                 {"mr/", std::string(64, 'd'), 2, true}};
   file.view.image = "../scans/ct.nii.gz";
   file.view.labels = {"labels/drawn.nii.gz", "other.nrrd"};
+  file.view.series = "1.2.840.7";
+  file.view.time = 3;
   file.view.crossHair_mm = Vec3{1.5, -2.25, 0.1};
   file.view.window = 350.0;
   file.view.level = -1.0 / 3.0;

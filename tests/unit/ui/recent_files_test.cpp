@@ -114,6 +114,23 @@ TEST_CASE("Two windows that change the list at the same time lose no entry") {
     }
 }
 
+TEST_CASE("A damaged list that cannot be set aside stays as it is, and that is reported") {
+  const fs::path folder = emptyFolder("damaged-stays");
+  fs::create_directories(folder / "recent.damaged.json" / "occupied");
+  std::ofstream(folder / "recent.json") << "[]";
+  RecentFiles files(folder);
+  const RecentFiles::Listing added = files.add(entry("b"));
+  REQUIRE(added.problem);
+  CHECK_THAT(added.problem->message,
+             Contains("cannot be kept as recent.damaged.json") && Contains("The list is not written."));
+  CHECK(textOf(folder / "recent.json") == "[]");
+  fs::remove_all(folder / "recent.damaged.json");
+  // The change is not forgotten.
+  (void)files.add(entry("c"));
+  CHECK(textOf(folder / "recent.damaged.json") == "[]");
+  CHECK(RecentFiles(folder).read().files.size() == 2);
+}
+
 TEST_CASE("A damaged list is reported and set aside, and readable entries are kept") {
   const fs::path folder = emptyFolder("damaged");
   fs::create_directories(folder);

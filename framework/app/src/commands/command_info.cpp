@@ -88,7 +88,7 @@ Expected<Described> describeSession(const std::filesystem::path &file,
                                     const std::vector<std::filesystem::path> &search) {
   const auto saved = readSession(file, EmbeddedContent::stays);
   if (!saved) return tl::unexpected(saved.error());
-  Json files = Json::array();
+  Json files;
   const auto fileLines = describeFiles(*saved, file, search, files);
   if (!fileLines) return tl::unexpected(fileLines.error());
   const std::string hash = saved->stateHash ? fmt::format("{:016x}", *saved->stateHash) : std::string();
@@ -99,13 +99,13 @@ Expected<Described> describeSession(const std::filesystem::path &file,
   Json json{{"kind", "session"},         {"file", file.string()},   {"title", saved->title},
             {"program", saved->program}, {"saved", saved->savedAt}, {"simulator", saved->simulatorClass},
             {"steps", saved->steps},     {"time_s", saved->time_s}, {"state_hash", hash},
-            {"changes", Json::array()},  {"files", Json::array()}};
+            {"changes", Json::array()}};
   for (const SavedChange &change : saved->changes) {
     text += fmt::format("  change: {}\n", displayText(change.text));
     json["changes"].push_back(Json{{"id", change.id}, {"text", change.text}});
   }
   text += *fileLines;
-  json["files"] = std::move(files);
+  json.update(files);
   return Described{text, json};
 }
 

@@ -103,10 +103,13 @@ void MissingFilesController::search(const std::filesystem::path &folder) {
       files->back().state = FoundFile::State::missing;
       files->back().at.clear();
     }
+  const auto unread = std::make_shared<std::vector<std::string>>();
   run(
       "Searching " + pathText(folder.filename()),
-      [folder, files](const ProgressFn &progress) { return searchFolder(folder, *files, progress); },
-      [this, folder, files](const Expected<void> &result) {
+      [folder, files, unread](const ProgressFn &progress) {
+        return searchFolder(folder, *files, progress, unread.get());
+      },
+      [this, folder, files, unread](const Expected<void> &result) {
         std::size_t found = 0;
         for (std::size_t row = 0, i = 0; row < candidates_.size(); ++row) {
           if (!dialog_.rows[row].found.empty()) continue;
@@ -120,6 +123,9 @@ void MissingFilesController::search(const std::filesystem::path &folder) {
         }
         dialog_.note = !result && result.error().code == ErrorCode::cancelled ? "The search was stopped. " : "";
         dialog_.note += fmt::format("{} of {} files found in {}.", found, files->size(), displayText(pathText(folder)));
+        if (!unread->empty())
+          dialog_.note += fmt::format(" {} folder{} could not be read, for example {}.", unread->size(),
+                                      unread->size() == 1 ? "" : "s", displayText(unread->front()));
       });
 }
 

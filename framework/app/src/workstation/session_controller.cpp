@@ -89,6 +89,8 @@ ShownView SessionController::shownView() const {
   if (views.image() != nullptr) {
     shown.image = parts_.images.file();
     shown.labels = parts_.images.labelFiles();
+    shown.view.series = parts_.images.series();
+    shown.view.time = views.image()->time;
     shown.view.crossHair_mm = views.crossHair();
     shown.view.window = views.options().windowLevel.window;
     shown.view.level = views.options().windowLevel.level;
@@ -287,9 +289,10 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
   const SessionView &view = opened.saved.view;
   if (view.measurements) parts_.measurements.assign(setOf(*view.measurements));
   pendingView_ = view;
-  // A scene with an image has opened it.
+  if (view.image.empty()) return onImageShown();
+  // A scene with an image has opened it, in the series that it names.
   const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
-  if (view.image.empty() || (first != nullptr && first->image)) return view.image.empty() ? onImageShown() : void();
+  if (first != nullptr && first->image && (view.series.empty() || view.series == first->image->series)) return;
   const auto placeOf = [&opened](const std::string &path) {
     for (const FoundFile &file : opened.files)
       if (file.file.path == path) return file.at;
@@ -297,7 +300,8 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
   };
   std::vector<std::filesystem::path> labels;
   for (const std::string &path : view.labels) labels.push_back(placeOf(path));
-  parts_.images.open(placeOf(view.image), labels, {}, 0, WorkstationImages::Segmentation::image, true);
+  parts_.images.open(placeOf(view.image), labels, view.series, static_cast<std::size_t>(view.time),
+                     WorkstationImages::Segmentation::image, true);
 }
 
 void SessionController::onImageShown() {
@@ -305,6 +309,7 @@ void SessionController::onImageShown() {
   const SessionView view = *std::exchange(pendingView_, std::nullopt);
   ui::ImageViews &views = parts_.images.views();
   if (views.image() != nullptr) {
+    views.chooseTime(static_cast<std::size_t>(view.time));
     if (view.crossHair_mm) views.setCrossHair(*view.crossHair_mm);
     ui::ImageOptions options = views.options();
     if (view.window) options.windowLevel.window = *view.window;

@@ -64,6 +64,8 @@ class WorkstationImages {
   [[nodiscard]] bool hasImage() const { return views_.image() != nullptr; }
   /// File or folder of the open image, and of its label maps.
   [[nodiscard]] const std::filesystem::path &file() const { return path_; }
+  /// Series of the open image; empty: the only or first one.
+  [[nodiscard]] const std::string &series() const { return series_; }
   [[nodiscard]] std::vector<std::filesystem::path> labelFiles() const { return labels_.files(); }
   /// Overlays a label map on the open image.
   void openLabels(const std::filesystem::path &path) { labels_.open(path); }

@@ -53,16 +53,25 @@ class FolderSearch {
   Expected<void> in(const fs::path &folder) {
     name_ = pathText(folder.filename().empty() ? folder.parent_path().filename() : folder.filename());
     if (auto compared = compare(folder, false); !compared) return compared;
-    std::error_code code;
-    fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code), end;
-    for (; !code && at != end && !isComplete(); at.increment(code)) {
-      std::error_code ignored;
-      const bool isFile = at->is_regular_file(ignored);
-      if (auto compared = isFile || at->is_directory(ignored) ? compare(at->path(), isFile) : report(); !compared)
-        return compared;
+    // A recursive iterator would end at the first folder that cannot be read.
+    std::vector<fs::path> folders{folder};
+    while (!folders.empty() && !isComplete()) {
+      const fs::path present = std::move(folders.back());
+      folders.pop_back();
+      std::error_code code;
+      std::vector<fs::path> below;
+      for (fs::directory_iterator at(present, code), end; !code && at != end && !isComplete(); at.increment(code)) {
+        std::error_code ignored;
+        const bool isFile = at->is_regular_file(ignored), isFolder = at->is_directory(ignored);
+        if (auto compared = isFile || isFolder ? compare(at->path(), isFile) : report(); !compared) return compared;
+        if (isFolder && !at->is_symlink(ignored)) below.push_back(at->path());
+      }
+      if (code) unread_.push_back(pathText(present) + ": " + code.message());
+      folders.insert(folders.end(), below.rbegin(), below.rend());
     }
     return report();
   }
+  [[nodiscard]] std::vector<std::string> &unread() { return unread_; }
 
  private:
   [[nodiscard]] bool isComplete() const {
@@ -106,14 +115,19 @@ class FolderSearch {
   const ProgressFn &progress_;
   std::string name_;
   std::uint64_t seen_ = 0;
+  std::vector<std::string> unread_;
 };
 
 }  // namespace
 
-Expected<void> searchFolder(const fs::path &folder, std::vector<FoundFile> &files, const ProgressFn &progress) {
+Expected<void> searchFolder(const fs::path &folder, std::vector<FoundFile> &files, const ProgressFn &progress,
+                            std::vector<std::string> *unread) {
   std::error_code code;
   if (!fs::is_directory(folder, code)) return fail(ErrorCode::input, pathText(folder) + ": there is no such folder");
-  return FolderSearch(files, progress).in(folder);
+  FolderSearch search(files, progress);
+  auto searched = search.in(folder);
+  if (unread != nullptr) unread->insert(unread->end(), search.unread().begin(), search.unread().end());
+  return searched;
 }
 
 Expected<std::string> sha256Of(const fs::path &path, const ProgressFn &progress) {

@@ -263,6 +263,8 @@ void readView(const Json &object, ParsedSession &out, std::string &error) {
   SessionView &view = out.session.view;
   KeyReader reader(object, "view.", error);
   reader.text("image", view.image);
+  reader.text("series", view.series);
+  reader.count("time", view.time);
   reader.texts("labels", view.labels);
   reader.point("cross_hair_mm", view.crossHair_mm);
   reader.number("window", view.window);
@@ -309,6 +311,8 @@ Json measurementsJson(const SavedMeasurements &measurements) {
 Json viewJson(const SessionView &view) {
   Json json = Json::object();
   if (!view.image.empty()) json["image"] = view.image;
+  if (!view.series.empty()) json["series"] = view.series;
+  if (view.time != 0) json["time"] = view.time;
   if (!view.labels.empty()) json["labels"] = view.labels;
   if (view.crossHair_mm) json["cross_hair_mm"] = *view.crossHair_mm;
   if (view.window) json["window"] = *view.window;

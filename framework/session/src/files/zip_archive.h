@@ -13,13 +13,15 @@
 
 namespace c3de::session {
 
+inline constexpr std::uint64_t kMostZipMembers = 100'000;
+
 /// Reason why a member may not have this name: empty, absolute, with "..", a backslash, a drive or control characters,
 /// not UTF-8, too long. Empty: it may.
 [[nodiscard]] std::string refusedMemberName(std::string_view name);
 
 struct ZipLimits {
   std::uint64_t bytes = std::uint64_t{1} << 34;  ///< of all members that are read, unpacked
-  std::uint64_t members = 100'000;
+  std::uint64_t members = kMostZipMembers;
   std::function<bool(const std::string &name)> skips;  ///< members that are not read; empty: none
 };
 

@@ -54,6 +54,9 @@ ZipWriter::~ZipWriter() = default;
 Expected<void> ZipWriter::begin(std::string_view name, std::uint64_t expectedBytes) {
   if (const std::string reason = refusedMemberName(name); !reason.empty())
     return fail(ErrorCode::usage, fmt::format("member '{}' {}", displayMessage(name), reason));
+  if (names_.size() == kMostZipMembers)
+    return fail(ErrorCode::usage, fmt::format("member '{}' is one too many; accepted: up to {}, as many as are read",
+                                              displayMessage(name), kMostZipMembers));
   if (!names_.emplace(name).second)
     return fail(ErrorCode::usage, fmt::format("member '{}' occurs twice", displayMessage(name)));
   name_ = name;

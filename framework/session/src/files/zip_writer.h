@@ -24,7 +24,7 @@ class ZipWriter {
   ZipWriter(const ZipWriter &) = delete;
   ZipWriter &operator=(const ZipWriter &) = delete;
 
-  /// Begins a member. Errors (usage): a refused name, a name twice.
+  /// Begins a member. Errors (usage): a refused name, a name twice, more than kMostZipMembers.
   /// @param expectedBytes  its size, as far as known: members of 4 GiB and more have another header
   [[nodiscard]] Expected<void> begin(std::string_view name, std::uint64_t expectedBytes);
   /// Errors: output, if there is no memory.

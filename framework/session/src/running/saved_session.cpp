@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
@@ -148,10 +149,10 @@ Expected<void> embedFile(const fs::path &file, const fs::path &folder, FileRefer
     for (const fs::path &one : content->files) saved.embedded[reference.path + "/" + slashed(one)] = file / one;
     return {};
   }
-  saved.embedded[reference.path] = file;
   const auto others = filesBelongingTo(file, progress);
   if (!others) return tl::unexpected(others.error());
-  const std::string group = reference.path.substr(0, kEmbedded.size() + kSha256Digits + 1);
+  std::vector<std::pair<ReferencedFile, fs::path>> belonging;
+  std::set<std::string> lines;
   for (const fs::path &other : *others) {
     const fs::path relative = comparable(other).lexically_relative(comparable(file).parent_path());
     if (relative.empty() || *relative.begin() == "..")
@@ -159,21 +160,43 @@ Expected<void> embedFile(const fs::path &file, const fs::path &folder, FileRefer
                                                 pathText(file), pathText(other)));
     auto one = references.of(other, folder, progress);
     if (!one) return tl::unexpected(one.error());
-    one->path = group + slashed(relative);
+    one->path = slashed(relative);
     one->isEmbedded = true;
-    saved.embedded[one->path] = other;
-    addOnce(std::move(*one), saved);
+    lines.insert(lineOfFolder(one->sha256, one->path));
+    belonging.emplace_back(std::move(*one), other);
+  }
+  // Headers of equal text may name different files: their folder is then that of all contents.
+  std::string group = reference.path.substr(0, kEmbedded.size() + kSha256Digits + 1);
+  if (!lines.empty()) {
+    const std::string name = reference.path.substr(group.size());
+    lines.insert(lineOfFolder(reference.sha256, name));
+    Sha256 hash;
+    for (const std::string &line : lines) hash.add(line);
+    const auto digits = hash.digits();
+    if (!digits) return tl::unexpected(digits.error());
+    group = fmt::format("{}{}/", kEmbedded, *digits);
+    reference.path = group + name;
+  }
+  saved.embedded[reference.path] = file;
+  for (auto &[one, at] : belonging) {
+    one.path = group + one.path;
+    saved.embedded[one.path] = at;
+    addOnce(std::move(one), saved);
   }
   return {};
+}
+
+std::string addMaskBytes(std::string bytes, SessionFile &saved) {
+  std::string name = fmt::format("{}{}.mask", kMasks, saved.members.size() + 1);
+  saved.members.emplace(name, std::move(bytes));
+  return name;
 }
 
 /// Adds a scene as text, its masks as members and its files.
 Expected<void> addScene(const scene::SceneFile &scene, const std::filesystem::path &folder, FileReferences &references,
                         const ProgressFn &progress, Embedding embedding, SessionFile &saved) {
   const auto nameOfMask = [&saved](const scene::SceneBody &body) {
-    const std::string name = fmt::format("{}{}.mask", kMasks, saved.members.size() + 1);
-    saved.members.emplace(name, maskBytes(*body.volume.mask, body.volume.colour));
-    return name;
+    return addMaskBytes(maskBytes(*body.volume.mask, body.volume.colour), saved);
   };
   scene::SceneFile named = scene;
   for (std::filesystem::path *file : filesOf(named)) {
@@ -249,6 +272,25 @@ Expected<void> restoreMask(const SessionFile &saved, const std::filesystem::path
 
 }  // namespace
 
+std::string addMask(const imaging::Mask &mask, SessionFile &saved) {
+  return addMaskBytes(maskBytes(mask, std::nullopt), saved);
+}
+
+Expected<std::shared_ptr<const imaging::Mask>> maskOfSelection(const SessionFile &saved,
+                                                               const std::filesystem::path &file) {
+  if (!saved.view.selection || saved.view.selection->mask.empty()) return nullptr;
+  const std::string &name = saved.view.selection->mask;
+  const auto member = saved.members.find(name);
+  if (member == saved.members.end())
+    return fail(ErrorCode::input, fmt::format("{}: is damaged: {} is missing, the mask of view.selection",
+                                              pathText(file), displayText(name)));
+  auto picked = maskOfBytes(member->second);
+  if (!picked)
+    return fail(ErrorCode::input,
+                fmt::format("{}: is damaged: {} {}", pathText(file), displayText(name), picked.error().message));
+  return std::make_shared<const imaging::Mask>(std::move(picked->mask));
+}
+
 void keepUnknown(const SessionFile &opened, SessionFile &saved) {
   for (const auto &[name, bytes] : opened.members)
     if (!name.starts_with(kMasks)) saved.members.emplace(name, bytes);
@@ -271,6 +313,9 @@ Expected<void> keepRest(const SessionFile &opened, const std::vector<FoundFile> 
     if (!added) return tl::unexpected(added.error());
     *path = std::move(*added);
   }
+  if (saved.view.selection && !saved.view.selection->mask.empty())
+    if (const auto mask = opened.members.find(saved.view.selection->mask); mask != opened.members.end())
+      saved.view.selection->mask = addMaskBytes(mask->second, saved);
   return {};
 }
 
@@ -343,8 +388,11 @@ Expected<std::vector<FoundFile>> locateFiles(const SessionFile &saved, const std
       one.state = *hash == one.file.sha256 ? FoundFile::State::same : FoundFile::State::changed;
     }
   if (auto again = findInArchives(saved, *found, progress); !again) return tl::unexpected(again.error());
+  std::vector<std::string> unread;
   for (const std::filesystem::path &folder : search.folders)
-    if (auto searched = searchFolder(folder, *found, progress); !searched) return tl::unexpected(searched.error());
+    if (auto searched = searchFolder(folder, *found, progress, &unread); !searched)
+      return tl::unexpected(searched.error());
+  for (const std::string &one : unread) log(LogLevel::warn, "a folder could not be searched: " + one);
   if (auto extracted = extractEmbedded(file, *found, progress); !extracted) return tl::unexpected(extracted.error());
   return found;
 }

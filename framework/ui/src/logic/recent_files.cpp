@@ -173,6 +173,13 @@ RecentFiles::Listing RecentFiles::change(Change change, const std::function<Expe
   if (listing.problem && !isDamaged) return listing;
   std::error_code code;
   if (isDamaged) fs::rename(folder_ / kListName, folder_ / kDamagedName, code);
+  if (code) {
+    // Written now, the new list would replace the damaged one.
+    listing.problem =
+        Error{ErrorCode::output, fmt::format("{}: cannot be kept as {}: {}. The list is not written.",
+                                             pathText(folder_ / kListName), kDamagedName, code.message())};
+    return listing;
+  }
   Expected<void> written = writeWholeFile(folder_ / kListName, listText(listing.files));
   if (written) {
     unwritten_.clear();

@@ -61,6 +61,8 @@ struct SessionView {
     friend bool operator==(const CameraPose &, const CameraPose &) = default;
   };
   std::string image;                    ///< empty: none
+  std::string series;                   ///< of the image; empty: its only or first one
+  std::uint64_t time = 0;               ///< time point of the image, from 0
   std::vector<std::string> labels;      ///< label maps over the image
   std::optional<Vec3> crossHair_mm;     ///< world, LPS
   std::optional<double> window, level;  ///< in the unit of the voxels
@@ -179,8 +181,10 @@ struct FoundFile {
 
 /// Searches a folder and its subfolders for files that are missing or changed. Files are recognised by SHA-256,
 /// whatever their names; folders by name and SHA-256. A file of the right name with another content is changed. Links
-/// to folders are not followed. Any thread. Errors: input, if there is no such folder; cancelled, if `progress` returns false.
+/// to folders are not followed. Any thread. Errors: input, if there is no such folder; cancelled, if `progress` returns
+/// false.
+/// @param unread  receives the folders that cannot be read, with the reason; null: nobody asks
 [[nodiscard]] Expected<void> searchFolder(const std::filesystem::path &folder, std::vector<FoundFile> &files,
-                                          const ProgressFn &progress = {});
+                                          const ProgressFn &progress = {}, std::vector<std::string> *unread = nullptr);
 
 }  // namespace c3de::session
