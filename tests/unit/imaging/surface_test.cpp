@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 #include <tuple>
 
 #include "c3de/geometry/mesh_report.h"
@@ -80,6 +81,42 @@ void checkSound(const TriangleMesh &mesh, const Mask &mask) {
 }
 
 }  // namespace
+
+TEST_CASE("preview surfaces of balls are round, whatever the grid", "[imaging][surface][preview]") {
+  for (const VolumeGeometry &grid : {phantoms::grid({45, 45, 45}), phantoms::oblique({61, 61, 19}, {0.7, 0.7, 2.5}),
+                                     phantoms::oblique({61, 61, 19}, {0.7, 0.7, 2.5}, true)})
+    for (const std::size_t maxBlocks : {1000u, 1'000'000u}) {
+      const double radius = 20.0;
+      const auto mesh = imaging::previewSurfaceOf(phantoms::ball(grid, radius), maxBlocks);
+      REQUIRE(mesh);
+      INFO(maxBlocks << " blocks, handedness " << grid.handedness());
+      // At most as many blocks: their edges are longer than the root of the box by the steps of a search.
+      const double block = std::max({grid.spacing()[2], 1.3 * 2.0 * radius / std::cbrt(double(maxBlocks))});
+      const Vec3 centre = phantoms::centreOf(grid);
+      const std::vector<Vec3> normals = geometry::vertexNormals(*mesh);
+      for (std::size_t v = 0; v < mesh->vertices.size(); ++v) {
+        const Vec3 x = mesh->vertices[v] - centre;
+        CHECK(std::abs(norm(x) - radius) < block);
+        CHECK(dot(x, normals[v]) > 0.0);
+      }
+    }
+}
+
+TEST_CASE("preview surfaces of noise have a bounded size", "[imaging][surface][preview]") {
+  // Three of four voxels are set at random; blocks of them are filled to a half.
+  constexpr std::size_t kMaxBlocks = 5000;
+  std::mt19937 random(7);
+  Mask noise{phantoms::grid({100, 100, 100}), std::vector<std::uint8_t>(1'000'000)};
+  for (std::uint8_t &voxel : noise.voxels) voxel = random() % 4 != 0 ? 1 : 0;
+  const auto mesh = imaging::previewSurfaceOf(noise, kMaxBlocks);
+  REQUIRE(mesh);
+  CHECK(mesh->triangles.size() < 6 * 2 * kMaxBlocks);
+  for (std::uint8_t &voxel : noise.voxels) voxel = random() % 4 == 0 ? 1 : 0;
+  const auto sparse = imaging::previewSurfaceOf(noise, kMaxBlocks);
+  REQUIRE_FALSE(sparse);
+  CHECK(sparse.error().message.find("no block") != std::string::npos);
+  CHECK_FALSE(imaging::previewSurfaceOf({noise.geometry, std::vector<std::uint8_t>(1'000'000)}, kMaxBlocks));
+}
 
 TEST_CASE("surfaces of balls are round, whatever the grid", "[imaging][surface]") {
   struct Case {

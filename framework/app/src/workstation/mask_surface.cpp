@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation/mask_surface.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -10,18 +9,7 @@
 namespace c3de::app {
 namespace {
 
-constexpr double kEdgesAcross = 60.0;  // of the longest side: some ten thousand triangles, in a fraction of a second
-constexpr double kEdgeVoxels = 1.5;
-
-double edgeLengthOf(const imaging::VolumeGeometry &grid) {
-  const Vec3 spacing = grid.spacing();
-  double longest = 0.0, coarsest = 0.0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    longest = std::max(longest, spacing[a] * static_cast<double>(grid.size[a]));
-    coarsest = std::max(coarsest, spacing[a]);
-  }
-  return std::max(kEdgeVoxels * coarsest, longest / kEdgesAcross);
-}
+constexpr std::size_t kMaxBlocks = 150'000;  // some hundredths of a second, also for the noise of a whole scan
 
 }  // namespace
 
@@ -34,14 +22,14 @@ void MaskSurface::show(std::shared_ptr<const segmentation::MaskPreview> preview,
       "Surface of the mask",
       [preview = preview_, surface](const ProgressFn &progress) -> Expected<void> {
         const imaging::Mask mask{preview->geometry, {preview->voxels.begin(), preview->voxels.end()}};
-        auto made = imaging::surfaceOf(mask, {edgeLengthOf(mask.geometry), 0.0}, progress);
+        auto made = imaging::previewSurfaceOf(mask, kMaxBlocks, progress);
         if (!made) return tl::unexpected(made.error());
         *surface = std::move(*made);
         return {};
       },
       [this, surface, colour](const Expected<void> &result) {
-        // Masks without a surface, such as noise, are shown in the slices only.
-        result ? replace(*surface, colour) : hide();
+        // `preview_` remains, so that a mask without a surface is not tried again in every frame.
+        result ? replace(*surface, colour) : removeMesh();
       });
 }
 
@@ -62,6 +50,10 @@ void MaskSurface::hide() {
   if (!preview_ && mesh_.isNull()) return;
   job_.cancel();
   preview_.reset();
+  removeMesh();
+}
+
+void MaskSurface::removeMesh() {
   renderer_.destroy(std::exchange(mesh_, {}));
   session_.sceneGraph().remove(std::exchange(node_, {}));
 }

@@ -31,6 +31,7 @@ class MaskSurface {
 
  private:
   void replace(const geometry::TriangleMesh &surface, const render::Colour &colour);
+  void removeMesh();
 
   Session &session_;
   render::Renderer &renderer_;

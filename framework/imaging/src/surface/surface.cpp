@@ -412,4 +412,31 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   return surface.mesh();
 }
 
+Expected<geometry::TriangleMesh> previewSurfaceOf(const Mask &mask, std::size_t maxBlocks, const ProgressFn &progress) {
+  constexpr std::size_t kRelaxed = 8;  // removes the steps of blocks
+  constexpr double kLonger = 1.2;
+  if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
+  const VoxelBox box = boxAround(mask);
+  if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
+  const Vec3 spacing = mask.geometry.spacing();
+  double edge = *std::max_element(spacing.begin(), spacing.end());
+  const auto blockCount = [&] {
+    const std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge);
+    std::size_t count = 1;
+    for (std::size_t a = 0; a < 3; ++a) count *= (box.edge(a) + block[a] - 1) / block[a];
+    return count;
+  };
+  while (blockCount() > std::max<std::size_t>(maxBlocks, 1)) edge *= kLonger;
+  Fill grid = fillInBlocks(mask, box, blocksUpTo(mask.geometry, edge));
+  dropSpecks(grid);
+  if (std::none_of(grid.values.begin(), grid.values.end(), [](float f) { return f >= kHalf; }))
+    return fail(ErrorCode::input, fmt::format("the mask fills no block of {:.3g} mm to a half", edge));
+  if (!goesOn(progress, 0.5, "surface")) return cancelled();
+  SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
+  relax(net, kRelaxed);
+  for (Vec3 &point : net.mesh.points) point = transformPoint(grid.geometry.indexToWorld, point);
+  if (!goesOn(progress, 1.0, "surface")) return cancelled();
+  return net.mesh.mesh();
+}
+
 }  // namespace c3de::imaging
