@@ -8,11 +8,11 @@
 namespace c3de::session {
 
 void LandmarkTracker::follow(std::vector<Landmark> landmarks, std::shared_ptr<const scene::SceneFile> scene,
-                             std::shared_ptr<ChangeLog> changes) {
+                             const std::shared_ptr<ChangeLog> &changes) {
   const std::lock_guard lock(mutex_);
   wanted_ = std::move(landmarks);
   scene_ = std::move(scene);
-  changes_ = std::move(changes);
+  changes_ = changes;
   ++serial_;
   newest_.reset();
   behind_ = !wanted_.empty();
@@ -44,8 +44,8 @@ void LandmarkTracker::onPublished(const scene::Simulation &simulation) {
   {
     const std::lock_guard lock(mutex_);
     // Another simulation has replaced the one of these landmarks.
-    if (wanted_.empty() || !changes_ || !changes_->isOf(simulation.object())) return;
-    changes = changes_;
+    changes = changes_.lock();
+    if (wanted_.empty() || !changes || !changes->isOf(simulation.object())) return;
     serial = serial_;
     const bool isPlaying = simulation.state().mode == C3DE_SIM_PLAYING;
     if (isPlaying && serial == followedSerial_ && now - last_ < std::max<decltype(took_)>(kShortest, 10 * took_)) {

@@ -31,7 +31,7 @@ class LandmarkTracker {
   /// @param scene    from which the bodies were built; null: none
   /// @param changes  of the simulator, which is read without a recorded change; null: nothing is read
   void follow(std::vector<Landmark> landmarks, std::shared_ptr<const scene::SceneFile> scene,
-              std::shared_ptr<ChangeLog> changes);
+              const std::shared_ptr<ChangeLog> &changes);
   /// Call on the simulation's thread, after a snapshot. During playback it runs at most 20 times a second and uses at
   /// most a tenth of the time.
   void onPublished(const scene::Simulation &simulation);
@@ -49,7 +49,7 @@ class LandmarkTracker {
   mutable std::mutex mutex_;
   std::vector<Landmark> wanted_;
   std::shared_ptr<const scene::SceneFile> scene_;
-  std::shared_ptr<ChangeLog> changes_;
+  std::weak_ptr<ChangeLog> changes_;  ///< the tracker may outlive session and simulator
   std::uint64_t serial_ = 0;
   std::shared_ptr<const Positions> newest_;
   // Used by the simulation's thread, and by both threads while one simulation replaces another:
