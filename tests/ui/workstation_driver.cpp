@@ -97,9 +97,11 @@ void WorkstationDriver::launch(const std::vector<std::string> &command) {
   // Not that of the user who runs the tests.
   const std::string home = environmentVariable("C3DE_HOME");
   const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user").string() : home);
-  // Other tests end their programs while work is unsaved.
+  // Other tests end their programs while work is unsaved, or by a failure that is reported at the next start.
   std::error_code ignored;
-  if (home.empty()) std::filesystem::remove_all(userDataDirectory() / "recovery", ignored);
+  if (home.empty())
+    for (const std::filesystem::path &left : {userDataDirectory() / "recovery", userCacheDirectory() / "runs"})
+      std::filesystem::remove_all(left, ignored);
   auto started = ChildProcess::start(command, log_);
   if (!started) throw std::runtime_error(started.error().message);
   program_ = std::move(*started);
