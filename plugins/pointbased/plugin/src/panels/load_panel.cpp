@@ -83,7 +83,9 @@ void LoadPanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
 void LoadPanel::drawTool(sdk::Ui &ui, const Snapshot &snapshot) {
   auto mode = static_cast<std::uint32_t>(tool_.mode);
   if (ui.choice("load_mode", "Select with", mode, kModes)) tool_.mode = static_cast<LoadTool::Mode>(mode);
-  ui.tooltip("With the tool Load (L): press on the surface, or in a slice; Shift removes from the selection");
+  ui.tooltip("With the tool Load (B): press on the surface, or in a slice");
+  (void)ui.checkbox("load_removing", "Remove from the selection", tool_.isRemoving);
+  ui.tooltip("E switches it");
   if (tool_.mode == LoadTool::Mode::brush) {
     (void)ui.slider("load_radius", "Radius", "mm", tool_.radius_mm, LoadTool::kMinRadius, 50.0);
     ui.tooltip("The keys [ and ], and the wheel while painting, change it");

@@ -77,6 +77,10 @@ bool LoadTool::onEvent(const c3de_event &event) {
     resize(event.key == ']' ? kRadiusStep : 1.0 / kRadiusStep);
     return true;
   }
+  if (event.type == C3DE_EVENT_KEY && event.key == 'E') {
+    isRemoving = !isRemoving;
+    return true;
+  }
   if (event.type == C3DE_EVENT_KEY && event.key == 27 && !selected_.empty()) {
     clear();
     return true;
@@ -95,45 +99,45 @@ void LoadTool::paint(const c3de_event &event) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return;
-  const bool removes = (event.modifiers & C3DE_MOD_SHIFT) != 0;
   if (sdk::isInSlice(event)) {
     const NearSkin near = Skins(services_, *snapshot).near(ray->origin);
     if (!near.body || (isPainting_ && near.body->id != body_)) return;
     choose(*near.body);
     isPainting_ = true;
-    return paintAround(*near.body, ray->origin, std::nullopt, removes);
+    return paintAround(*near.body, ray->origin, std::nullopt);
   }
   const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
   // A stroke does not leave its body.
   if (!picked || !picked->body || (isPainting_ && picked->body->id != body_)) return;
   choose(*picked->body);
   isPainting_ = true;
-  if (mode == Mode::face) return selectFace(*picked->body, picked->triangle, removes);
+  if (mode == Mode::face) return selectFace(picked->triangle);
   const Vec3 normal = presentNormalOf(*picked->body, surface_->triangles[picked->triangle]);
-  paintAround(*picked->body, picked->at, normal, removes);
+  paintAround(*picked->body, picked->at, normal);
   // A triangle larger than the brush is painted where it was hit.
-  if (removes)
-    selected_.erase(picked->triangle);
+  select(picked->triangle);
+}
+
+void LoadTool::select(std::uint32_t triangle) {
+  if (isRemoving)
+    selected_.erase(triangle);
   else
-    selected_.insert(picked->triangle);
+    selected_.insert(triangle);
+  isChanged_ = true;
 }
 
 // In 3D only what faces the same side as the point under the mouse: not the other side of a thin part.
-void LoadTool::paintAround(const BodySnapshot &body, const Vec3 &at, const std::optional<Vec3> &normal, bool removes) {
+void LoadTool::paintAround(const BodySnapshot &body, const Vec3 &at, const std::optional<Vec3> &normal) {
   const double radius = 1e-3 * radius_mm;
   for (std::uint32_t t = 0; t < surface_->triangles.size(); ++t) {
     const auto &triangle = surface_->triangles[t];
     if ((centroidOf(body, triangle) - at).squaredNorm() > radius * radius) continue;
     if (normal && presentNormalOf(body, triangle).dot(*normal) <= 0.0) continue;
-    if (removes)
-      selected_.erase(t);
-    else
-      selected_.insert(t);
+    select(t);
   }
-  isChanged_ = true;
 }
 
-void LoadTool::selectFace(const BodySnapshot &, std::uint32_t triangle, bool removes) {
+void LoadTool::selectFace(std::uint32_t triangle) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> byEdge;
   const auto &all = surface_->triangles;
   const auto edgeOf = [&](std::uint32_t t, std::size_t k) { return std::minmax(all[t][k], all[t][(k + 1) % 3]); };
@@ -151,13 +155,7 @@ void LoadTool::selectFace(const BodySnapshot &, std::uint32_t triangle, bool rem
         if (normalOf(surface_->positions, all[other]).dot(normal) >= least && face.insert(other).second)
           next.push_back(other);
   }
-  for (const std::uint32_t t : face) {
-    if (removes)
-      selected_.erase(t);
-    else
-      selected_.insert(t);
-  }
-  isChanged_ = true;
+  for (const std::uint32_t t : face) select(t);
 }
 
 SurfacePatch LoadTool::patch(const Snapshot &snapshot) const {

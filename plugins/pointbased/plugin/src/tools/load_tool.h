@@ -9,11 +9,13 @@
 namespace pointbased {
 
 /// Selects a part of the surface of a body for a support or a load, and shows those that are set. Brush: press and drag
-/// on the surface or in a slice paints, with Shift it removes; the wheel, [ and ] change the radius. Face: a click
-/// selects the connected surface whose normal deviates by less than an angle from that of the point.
+/// on the surface or in a slice paints; the wheel, [ and ] change the radius. Face: a click selects the connected
+/// surface whose normal deviates by less than an angle from that of the point. E switches between adding to the
+/// selection and removing from it.
 class LoadTool : public InteractiveTool {
  public:
-  explicit LoadTool(const Services &services) : InteractiveTool(services) {}
+  LoadTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
+      : InteractiveTool(services, std::move(steps)) {}
 
   bool onEvent(const c3de_event &event) override;
   void cancel() override { isPainting_ = false; }
@@ -22,6 +24,7 @@ class LoadTool : public InteractiveTool {
 
   enum class Mode : std::uint32_t { brush, face };
   Mode mode = Mode::brush;
+  bool isRemoving = false;                                       ///< from the selection
   double radius_mm = 5.0;                                        ///< of the brush, kMinRadius … kMaxRadius
   double angle_deg = 25.0;                                       ///< of a face, 0 … 180
   static constexpr double kMinRadius = 0.2, kMaxRadius = 200.0;  ///< mm
@@ -37,8 +40,9 @@ class LoadTool : public InteractiveTool {
  private:
   void detach() override;
   void paint(const c3de_event &event);
-  void paintAround(const BodySnapshot &body, const Vec3 &at, const std::optional<Vec3> &normal, bool removes);
-  void selectFace(const BodySnapshot &body, std::uint32_t triangle, bool removes);
+  void paintAround(const BodySnapshot &body, const Vec3 &at, const std::optional<Vec3> &normal);
+  void selectFace(std::uint32_t triangle);
+  void select(std::uint32_t triangle);
   void choose(const BodySnapshot &body);
   void showSelection(const Snapshot *snapshot);
   struct Shown {
