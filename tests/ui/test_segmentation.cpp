@@ -9,6 +9,8 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
+#include "support/environment.h"
+#include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
@@ -383,4 +385,63 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   C3DE_WAIT(window, "it is saved again", s["notifications"].dump().find("brush_undone") != std::string::npos);
   window.key("ctrl+q");
   CHECK(window.waitForExit() == 0);
+}
+
+TEST_CASE("a painted mask is part of sessions and of the recovery file", "[segmentation_session]") {
+  C3DE_WINDOW_OR_SKIP();
+  const Phantom phantom;
+  const fs::path file = outputFile("segmentation_session_phantom.nii.gz"), session = freshFile("mask.c3de"),
+                 home = outputFile("segmentation_session_home");
+  fs::remove_all(home);
+  if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
+  const ScopedEnvironment user("C3DE_HOME", home.string());
+  std::string picked;
+  {
+    WorkstationDriver window("segmentation_session");
+    window.start({file.string()});
+    C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
+    CHECK(window.state()["title"] == "segmentation_session_phantom.nii.gz - C3DE");
+    window.enterNumber("segmentation/low", "60");
+    window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.other));
+    window.moveTo(axialPixel(window, {-30, 0, 0}));
+    window.key("k");
+    C3DE_WAIT(window, "the brush is active", s["tool"] == "segmentation.brush");
+    window.drag(axialPixel(window, {0, -40, 0}), axialPixel(window, {20, -40, 0}), 4);
+    C3DE_WAIT(window, "a stroke is painted",
+              s["jobs"].empty() && textOf(s, "segmentation/Picked").ends_with(" voxels") &&
+                  textOf(s, "segmentation/Picked") != pickedText(phantom.organ + phantom.other));
+    picked = window.value("segmentation/Picked");
+    window.moveTo(window.inView(0.9, 0.9));
+    window.key("ctrl+s");
+    window.enterFile(session);
+    waitForMessage(window, "Session saved");
+    CHECK(window.state()["title"] == "mask.c3de - C3DE");
+    window.screenshotAtRest("saved");
+    window.key("ctrl+q");
+    CHECK(window.waitForExit() == 0);
+  }
+  {
+    WorkstationDriver window("segmentation_session_opened");
+    window.start({session.string()});
+    C3DE_WAIT(window, "the mask is restored", s["jobs"].empty() && textOf(s, "segmentation/Picked") == picked);
+    CHECK(window.value("image/preview") == "shown");
+    CHECK(window.state()["title"] == "mask.c3de - C3DE");
+    window.screenshotAtRest("opened");
+    window.click("segmentation/fill_holes");
+    C3DE_WAIT(window, "it can be edited",
+              s["jobs"].empty() && textOf(s, "segmentation/Picked").ends_with(" voxels") &&
+                  textOf(s, "segmentation/Picked") != picked);
+    picked = window.value("segmentation/Picked");
+    C3DE_WAIT(window, "that is not saved", s["title"] == "mask.c3de* - C3DE");
+    window.waitUntil("it is backed up", [&](const Json &) { return !recoveryIn(home).empty(); });
+    window.kill();
+  }
+  WorkstationDriver window("segmentation_session_recovered");
+  window.start({});
+  waitForMessage(window, "Unsaved work of ");
+  window.click("notification/choose.0.0");
+  C3DE_WAIT(window, "the edited mask is restored", s["jobs"].empty() && textOf(s, "segmentation/Picked") == picked);
+  window.key("ctrl+q");
+  const Json asked = C3DE_WAIT(window, "it asks", s["values"].contains("quit/text"));
+  CHECK_THAT(textOf(asked, "quit/text"), Contains("What is picked in the image is not saved"));
 }

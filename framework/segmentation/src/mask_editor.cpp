@@ -34,6 +34,7 @@ void MaskEditor::setSources(MaskSources sources) {
   isCut_ = false;
   shown_ = {};
   problem_.clear();
+  ++revision_;
   sources_ = std::move(sources);
   changed_();
 }
@@ -62,6 +63,7 @@ void MaskEditor::applyStep(const MaskStep &step) {
     release();
     waiting_.clear();
     shown_ = {};
+    ++revision_;
     record({step, nullptr});
     return changed_();
   }
@@ -101,11 +103,30 @@ void MaskEditor::submit(const std::string &title, std::function<Expected<imaging
               done.error().code == ErrorCode::cancelled ? "cancelled; the mask is unchanged" : done.error().message;
         } else {
           shown_ = result->shown;
+          ++revision_;
           take(*result);
           startNext();
         }
         changed_();
       });
+}
+
+void MaskEditor::restore(std::shared_ptr<const imaging::Mask> mask, const MaskStep &step) {
+  release();
+  waiting_.clear();
+  problem_.clear();
+  running_ = step;
+  isStepRunning_ = true;
+  submit(
+      "Segmentation: " + step.text(),
+      [mask = std::move(mask)](const ProgressFn &) -> Expected<imaging::Mask> { return *mask; }, nullptr,
+      [this, step](const Result &result) {
+        states_.clear();
+        states_.push_back({step, result.packed});
+        done_ = 1;
+        isCut_ = true;  // what came before is not known any more
+      });
+  changed_();
 }
 
 void MaskEditor::startNext() {
@@ -161,6 +182,7 @@ void MaskEditor::goTo(std::size_t done) {
   } else {
     done_ = done;
     shown_ = {};
+    ++revision_;
   }
   changed_();
 }

@@ -77,6 +77,7 @@ std::string MaskStep::text() const {
   switch (kind) {
     case Kind::label: return "label " + std::to_string(label);
     case Kind::labels: return labels.empty() ? "nothing picked" : std::to_string(labels.size()) + " labels";
+    case Kind::restored: return "restored from a session";
     case Kind::threshold: return "threshold " + formatNumber(low) + " … " + formatNumber(high);
     case Kind::component: return fmt::format("the part at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
     case Kind::largest: return "the largest part";
@@ -104,7 +105,7 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
   }
   if (step.kind == Kind::paint) return painted(step, sources, before);
   if (step.kind == Kind::grow) return grownAt(step, sources, before, progress);
-  if (!before || step.kind == Kind::labels)
+  if (!before || step.ignoresPreviousMask())
     return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold, or paint first");
   switch (step.kind) {
     case Kind::component: return componentAt(*before, step.world, progress);

@@ -134,6 +134,27 @@ std::vector<std::uint16_t> SegmentationWorkflow::pickedLabels() const {
   return picked;
 }
 
+Selection SegmentationWorkflow::selection() const {
+  return {mask_.mask(), pickedLabels(), settings_.name, settings_.low, settings_.high};
+}
+
+void SegmentationWorkflow::restore(const Selection &selection) {
+  settings_.low = selection.low;
+  settings_.high = selection.high;
+  settings_.isFromLabel = !selection.labels.empty();
+  if (selection.mask) {
+    MaskStep step;
+    step.kind = MaskStep::Kind::restored;
+    step.labels = selection.labels;
+    step.low = selection.low;
+    step.high = selection.high;
+    mask_.restore(selection.mask, step);
+  } else {
+    chooseLabels(selection.labels);
+  }
+  setName(selection.name);
+}
+
 std::string SegmentationWorkflow::nameOf(std::uint16_t label) const {
   const auto &labels = mask_.sources().labels;
   const std::string name = labels ? labels->nameOf(label) : std::string();
@@ -296,6 +317,7 @@ void SegmentationWorkflow::onMaskChanged() {
     for (const MaskStep &step : mask_.steps()) {
       if (!step.ignoresPreviousMask()) continue;
       settings_.isFromLabel = step.kind != MaskStep::Kind::threshold;
+      if (step.kind == MaskStep::Kind::restored) settings_.isFromLabel = !step.labels.empty();
       if (step.kind == MaskStep::Kind::label && settings_.name != nameOf(step.label)) {
         settings_.name = nameOf(step.label);
         isMaterialChosen_ = false;

@@ -295,6 +295,53 @@ TEST_CASE("Steps that were undone are redone, until another one is made", "[orga
   CHECK_FALSE(f.guide.mask().canRedo());
 }
 
+TEST_CASE("A stored selection is selected again, and undo does not go beyond it", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.chooseLabel(3);
+  f.settle();
+  f.guide.applyStep(Kind::fillHoles);
+  f.settle();
+  f.guide.setName("left kidney");
+  const Selection stored = f.guide.selection();
+  CHECK(stored.labels == std::vector<std::uint16_t>{3});
+
+  Fixture other;
+  other.guide.setSources(other.sources);
+  other.guide.restore(stored);
+  other.settle();
+  REQUIRE(other.guide.mask().mask());
+  CHECK(other.guide.mask().mask()->voxels == stored.mask->voxels);
+  CHECK(other.guide.pickedLabels() == stored.labels);
+  CHECK(other.guide.settings().isFromLabel);
+  CHECK(other.guide.settings().name == "left kidney");
+  CHECK(other.guide.blockingReason().empty());
+  CHECK_FALSE(other.guide.mask().canUndo());
+  const std::uint64_t revision = other.guide.mask().revision();
+  other.guide.applyStep(Kind::largest);
+  other.settle();
+  CHECK(other.guide.mask().revision() != revision);
+  other.guide.undo();
+  other.settle();
+  CHECK(other.voxels() == f.voxels());
+  CHECK(other.guide.settings().isFromLabel);
+  CHECK_FALSE(other.guide.mask().canUndo());
+
+  // Limits of a threshold; and several labels, of which there is no mask.
+  f.guide.setLow(60.0);
+  f.settle();
+  other.guide.restore(f.guide.selection());
+  other.settle();
+  CHECK_FALSE(other.guide.settings().isFromLabel);
+  CHECK(other.guide.settings().low == 60.0);
+  CHECK(other.voxels() == Fixture::kLarge + Fixture::kSmall);
+  f.guide.chooseLabels({8, 3});
+  other.guide.restore(f.guide.selection());
+  other.settle();
+  CHECK(other.guide.pickedLabels() == std::vector<std::uint16_t>{8, 3});
+  CHECK_FALSE(other.guide.mask().mask());
+}
+
 TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {
   Fixture f;
   f.guide.setLow(60.0);

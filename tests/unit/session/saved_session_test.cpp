@@ -226,6 +226,35 @@ TEST_CASE("A later change replaces an earlier one of its key, unless a scene or 
   CHECK(log.count() == 8);
 }
 
+TEST_CASE("The mask of a selection is stored, kept when another program saves the session, and refused if damaged") {
+  const fs::path folder = testOutputFolder();
+  SessionFile saved;
+  CHECK(*maskOfSelection(saved, "a.c3de") == nullptr);
+  saved.view.selection = SavedSelection{addMask(cube(), saved), {7}, "liver", 20.0, 100.0};
+  const auto mask = maskOfSelection(saved, "a.c3de");
+  REQUIRE((mask && *mask));
+  CHECK((*mask)->voxels == cube().voxels);
+
+  // A scene with a mask of its own has been saved first.
+  SessionFile again;
+  (void)addMask(cube(), again);
+  FileReferences references;
+  REQUIRE(keepRest(saved, {}, folder, references, Embedding::extracted, again));
+  CHECK(again.members.size() == 2);
+  CHECK(again.view.selection->name == "liver");
+  const auto kept = maskOfSelection(again, "a.c3de");
+  REQUIRE((kept && *kept));
+  CHECK((*kept)->voxels == cube().voxels);
+
+  std::string &bytes = saved.members.at(saved.view.selection->mask);
+  bytes.pop_back();
+  const auto cut = maskOfSelection(saved, "a.c3de");
+  REQUIRE_FALSE(cut);
+  CHECK_THAT(cut.error().message, Contains("a.c3de: is damaged: ") && Contains(saved.view.selection->mask));
+  saved.members.clear();
+  CHECK_THAT(maskOfSelection(saved, "a.c3de").error().message, Contains("is missing"));
+}
+
 TEST_CASE("Damaged voxels of a session are refused") {
   const std::string good = maskBytes(cube(), {});
   REQUIRE(maskOfBytes(good));

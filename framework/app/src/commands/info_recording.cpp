@@ -76,12 +76,15 @@ Described describeReport(const SessionFile &session, const std::filesystem::path
 }  // namespace
 
 Expected<std::string> describeFiles(const SessionFile &saved, const std::filesystem::path &file,
-                                    const std::vector<std::filesystem::path> &search, Json &list) {
+                                    const std::vector<std::filesystem::path> &search, Json &json) {
   auto found = findFiles(saved, std::filesystem::absolute(file).parent_path());
   if (!found) return tl::unexpected(found.error());
+  std::vector<std::string> unread;
   for (const std::filesystem::path &folder : search)
-    if (const auto searched = searchFolder(folder, *found); !searched) return tl::unexpected(searched.error());
+    if (const auto searched = searchFolder(folder, *found, {}, &unread); !searched)
+      return tl::unexpected(searched.error());
   std::string text;
+  Json &list = json["files"] = Json::array();
   for (const FoundFile &one : *found) {
     const char *state = one.file.isEmbedded                      ? "embedded"
                         : one.state == FoundFile::State::same    ? "same"
@@ -94,6 +97,9 @@ Expected<std::string> describeFiles(const SessionFile &saved, const std::filesys
         Json{{"path", one.file.path}, {"bytes", one.file.bytes}, {"sha256", one.file.sha256}, {"state", state}});
     if (!place.empty()) list.back()["at"] = place;
   }
+  if (!unread.empty()) json["unread_folders"] = unread;
+  for (const std::string &one : unread)
+    text += fmt::format("  folder that could not be searched: {}\n", displayText(one));
   return text;
 }
 
@@ -109,7 +115,7 @@ Expected<Described> describeRecording(const std::filesystem::path &file,
   const std::uint64_t made = last ? last->made : 0;
   const double end_s = last ? last->time_s : start.time_s;
 
-  Json files = Json::array();
+  Json files;
   const auto fileLines = describeFiles(start, file, search, files);
   if (!fileLines) return tl::unexpected(fileLines.error());
   const bool isReport = start.members.contains(kReportVersions);
@@ -144,7 +150,7 @@ Expected<Described> describeRecording(const std::filesystem::path &file,
             {"hash_every", recording->start.hashEvery},
             {"complete", recording->isComplete()}};
   for (const auto &[id, n] : counts.changes) json["changes"][id] = n;
-  json["files"] = std::move(files);
+  json.update(files);
   if (isReport) json["report"] = reportJson(start);
   if (last) json["state_hash"] = fmt::format("{:016x}", last->hash);
   return Described{text, json};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <utility>
 
 #include "c3de/abi/log.h"
@@ -64,13 +65,22 @@ void SessionController::connect(ui::WindowActions &actions) {
 SessionController::Baseline SessionController::present() const {
   scene::Simulation *simulation = parts_.session.simulation();
   const std::uint64_t measurements = parts_.measurements.revision();
-  if (simulation == nullptr) return {0, 0, 0, measurements};
-  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements};
+  const segmentation::SegmentationWorkflow &workflow = parts_.images.workflow();
+  const bool isPicked = workflow.mask().mask() || (!workflow.mask().isBusy() && !workflow.pickedLabels().empty());
+  const std::uint64_t selection = isPicked ? workflow.mask().revision() : 0;
+  if (simulation == nullptr) return {0, 0, 0, measurements, selection};
+  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection};
 }
 
-bool SessionController::isModified() const {
-  if (parts_.session.simulation() != nullptr) return !baseline_ || *baseline_ != present();
-  return !parts_.measurements.set().isEmpty() && (!baseline_ || baseline_->measurements != present().measurements);
+SessionController::Unsaved SessionController::unsaved() const {
+  const Baseline now = present(), saved = baseline_.value_or(Baseline{});
+  Unsaved out;
+  if (parts_.session.simulation() != nullptr)
+    out.simulation =
+        !baseline_ || saved.simulation != now.simulation || saved.changes != now.changes || saved.steps != now.steps;
+  if (baseline_ || !parts_.measurements.set().isEmpty()) out.measurements = saved.measurements != now.measurements;
+  out.selection = saved.selection != now.selection;
+  return out;
 }
 
 std::string SessionController::title() const {
@@ -94,6 +104,11 @@ ShownView SessionController::shownView() const {
     shown.view.crossHair_mm = views.crossHair();
     shown.view.window = views.options().windowLevel.window;
     shown.view.level = views.options().windowLevel.level;
+  }
+  if (const segmentation::Selection picked = parts_.images.workflow().selection(); !picked.isEmpty()) {
+    shown.mask = picked.mask;
+    shown.view.selection =
+        SavedSelection{{}, {picked.labels.begin(), picked.labels.end()}, picked.name, picked.low, picked.high};
   }
   if (parts_.measurements.revision() != 0) shown.view.measurements = savedOf(parts_.measurements.set());
   const render::Camera &camera = parts_.window.camera();
@@ -220,6 +235,9 @@ void SessionController::build(const MissingFilesController::Opened &opened) {
   (void)parts_.session.jobs().submit(
       kJobOwner, "Reading " + name,
       [opened, materials = &parts_.session.materials()](const ProgressFn &) -> Expected<void> {
+        auto mask = maskOfSelection(opened->saved, opened->file);
+        if (!mask) return tl::unexpected(mask.error());
+        opened->mask = std::move(*mask);
         if (opened->saved.scenes.empty()) return {};
         auto source = sourceOfSession(opened->saved, opened->file, opened->files, materials);
         if (!source) return tl::unexpected(source.error());
@@ -289,6 +307,7 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
   const SessionView &view = opened.saved.view;
   if (view.measurements) parts_.measurements.assign(setOf(*view.measurements));
   pendingView_ = view;
+  pendingMask_ = opened.mask;
   if (view.image.empty()) return onImageShown();
   // A scene with an image has opened it, in the series that it names.
   const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
@@ -315,6 +334,14 @@ void SessionController::onImageShown() {
     if (view.window) options.windowLevel.window = *view.window;
     if (view.level) options.windowLevel.level = *view.level;
     views.setOptions(options);
+    if (view.selection) {
+      segmentation::Selection picked{
+          std::exchange(pendingMask_, nullptr), {}, view.selection->name, view.selection->low, view.selection->high};
+      for (const std::uint64_t label : view.selection->labels)
+        if (label <= std::numeric_limits<std::uint16_t>::max())
+          picked.labels.push_back(static_cast<std::uint16_t>(label));
+      parts_.images.restoreSelection(std::move(picked));
+    }
   }
   if (!view.camera) return;
   render::Camera pose = parts_.window.camera();
@@ -323,6 +350,10 @@ void SessionController::onImageShown() {
   pose.pitch = view.camera->pitch_rad;
   pose.distance = view.camera->distance_mm;
   parts_.window.requestPose(pose);
+}
+
+void SessionController::onSelectionRestored() {
+  if (baseline_) baseline_->selection = present().selection;
 }
 
 void SessionController::onClosed() { begin(); }
@@ -341,8 +372,8 @@ void SessionController::autosaveIfDue() {
   const Baseline present = this->present();
   if (autosaved_ == present && !recovery_.hasFailed()) return;
   autosaveTried_ = now;
-  capture([this, present, shown = shownView()](const Captured &captured) {
-    if (present.simulation != serial_) return;
+  capture([this, present, serial = serial_, shown = shownView()](const Captured &captured) {
+    if (serial != serial_) return;
     // A state that cannot be stored now is tried again at the next interval.
     if (!*captured) return onAutosaveRefused(captured->error());
     refusedSince_.reset();
@@ -367,8 +398,8 @@ void SessionController::onAutosaveRefused(const Error &error) {
 void SessionController::notifyLost(const std::string &title, const LostSession &lost) {
   parts_.panels.notify(
       C3DE_LOG_WARN, title,
-      fmt::format("{} at {}. It was not saved.", lost.title.empty() ? "A session" : lost.title,
-                  stepText(lost.steps, lost.time_s)),
+      fmt::format("{}{}. It was not saved.", lost.title.empty() ? "A session" : lost.title,
+                  lost.steps > 0 ? " at " + stepText(lost.steps, lost.time_s) : std::string()),
       {{"Restore", [this, lost] { open(lost.file); }}, {"Delete", [lost] { removeRecovery(lost.file); }}});
 }
 

@@ -49,11 +49,20 @@ class SessionController {
   /// Bodies were made that no file has. @param isNew  in a new simulation
   void onMade(bool isNew);
   void onImageShown();
+  void onSelectionRestored();
   void onClosed();
   /// Of the present session; empty: not saved yet.
   [[nodiscard]] const std::filesystem::path &file() const { return file_; }
-  /// Whether the present simulation, or what is measured, differs from its file.
-  [[nodiscard]] bool isModified() const;
+  /// What differs from the file.
+  struct Unsaved {
+    bool simulation = false, measurements = false;
+    bool selection = false;  ///< what is picked or painted in the image
+  };
+  [[nodiscard]] Unsaved unsaved() const;
+  [[nodiscard]] bool isModified() const {
+    const Unsaved parts = unsaved();
+    return parts.simulation || parts.measurements || parts.selection;
+  }
   /// Called about once a second: writes what is not saved yet to the recovery file.
   void autosaveIfDue();
   /// Call before the session ends. @param isInterrupted  the next run offers what is not saved
@@ -76,6 +85,7 @@ class SessionController {
     std::uint64_t simulation = 0;  ///< serial
     std::uint64_t changes = 0, steps = 0;
     std::uint64_t measurements = 0;  ///< revision
+    std::uint64_t selection = 0;     ///< revision of the mask; 0: nothing is picked
     friend bool operator==(const Baseline &, const Baseline &) = default;
   };
 
@@ -105,7 +115,8 @@ class SessionController {
   std::shared_ptr<FileReferences> references_ = std::make_shared<FileReferences>();
   SessionFile foreign_;                     ///< members and keys of the opened session that this program does not know
   std::optional<SessionView> pendingView_;  ///< applied when the image is shown
-  std::filesystem::path recovered_;         ///< recovery file of another run; empty: none
+  std::shared_ptr<const imaging::Mask> pendingMask_;
+  std::filesystem::path recovered_;  ///< recovery file of another run; empty: none
   SessionRecovery recovery_;
   std::optional<Baseline> autosaved_;
   Clock::time_point autosaveTried_ = Clock::now();

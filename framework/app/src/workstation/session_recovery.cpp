@@ -42,6 +42,7 @@ Expected<SessionFile> sessionWithView(const CapturedState &captured, const Shown
   auto saved = sessionOf(captured, folder, references, progress, embedding);
   if (!saved) return saved;
   saved->view = shown.view;
+  if (saved->title.empty()) saved->title = pathText(shown.image.filename());
   const auto add = [&](const std::filesystem::path &file) {
     return addFile(file, folder, references, progress, embedding, *saved);
   };
@@ -55,6 +56,7 @@ Expected<SessionFile> sessionWithView(const CapturedState &captured, const Shown
     if (!path) return tl::unexpected(path.error());
     saved->view.labels.push_back(std::move(*path));
   }
+  if (shown.mask && saved->view.selection) saved->view.selection->mask = addMask(*shown.mask, *saved);
   return saved;
 }
 

@@ -23,7 +23,8 @@ namespace c3de::app {
 struct ShownView {
   std::filesystem::path image;
   std::vector<std::filesystem::path> labels;
-  SessionView view;  ///< without the names of files
+  SessionView view;                           ///< without the names of files and members
+  std::shared_ptr<const imaging::Mask> mask;  ///< of view.selection; null: none
 };
 
 /// A session file of captured state and view. Any thread, one at a time with these references.

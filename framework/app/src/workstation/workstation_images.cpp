@@ -67,7 +67,8 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
       workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}),
       brush_(tools, views_, workflow_),
       scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody),
-      labels_({session, renderer, panels, views_, workflow_}, {[this] { updateScanBodySources(); }, events_.failed}),
+      labels_({session, renderer, panels, views_, workflow_},
+              {[this] { updateScanBodySources(); }, [this] { applyRestored(); }, events_.failed}),
       maskSurface_(session, renderer), job_(session.jobs()), timeJob_(session.jobs()) {
   if (render::ImageRenderer *images = renderer_.images()) images->setOverlayColours(ui::overlayColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
@@ -126,6 +127,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
                          "Close the image first to see it alone."});
         }
         for (const std::filesystem::path &file : maps) labels_.open(file);
+        if (!labels_.isLoading()) applyRestored();
         if (!read->series.empty()) askForSeries(wanted.path, labels, read->series);
       });
 }
@@ -226,8 +228,18 @@ void WorkstationImages::updateScanBodySources() {
   scanBody_.setSources(std::move(sources));
 }
 
+void WorkstationImages::applyRestored() {
+  if (!toRestore_) return;
+  isRestoring_ = true;
+  workflow_.restore(*std::exchange(toRestore_, std::nullopt));
+}
+
 /// Preview of the selection, over the slices.
 void WorkstationImages::showPreview() {
+  if (isRestoring_ && !workflow_.mask().isBusy()) {
+    isRestoring_ = false;
+    events_.selectionRestored();
+  }
   render::ImageRenderer *images = renderer_.images();
   views_.setPickedLabels(workflow_.isSeveral() ? workflow_.pickedLabels() : std::vector<std::uint16_t>());
   if (!images || preview_ == workflow_.mask().preview()) return;
@@ -269,6 +281,8 @@ void WorkstationImages::markMissing() {
 
 void WorkstationImages::close() {
   timeJob_.cancel();
+  toRestore_.reset();
+  isRestoring_ = false;
   brush_.offer(false);
   maskSurface_.hide();
   segmentationPanel_.reset();
@@ -295,11 +309,9 @@ void WorkstationImages::saveLabels(const std::filesystem::path &path) {
         if (!map) return tl::unexpected(map.error());
         return imaging::writeLabelMap(path, *map);
       },
-      [this, path, notice, edits = workflow_.mask().edits(),
-       mask = std::weak_ptr(workflow_.mask().mask())](const Expected<void> &written) {
+      [this, path, notice, revision = workflow_.mask().revision()](const Expected<void> &written) {
         if (!written) return events_.failed("The label map could not be saved", written.error());
-        savedMaskEdits_ = edits;
-        savedMask_ = mask;
+        savedRevision_ = revision;
         const auto open = [this, path] {
           session_.mainQueue().post([this, path] {
             if (hasImage()) openLabels(path);

@@ -41,6 +41,7 @@ class WorkstationImages {
     std::function<void(const std::string &scene)> createScanBody;  ///< ends with scanBody().finished()
     std::function<void()> closeSimulation;
     std::function<void()> askForLabelFile;  ///< ends with saveLabels()
+    std::function<void()> selectionRestored;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
                     registry::ToolRegistry &tools, Events events);
@@ -71,10 +72,10 @@ class WorkstationImages {
   void openLabels(const std::filesystem::path &path) { labels_.open(path); }
   /// Writes the open label map with what is picked as one of its labels, in a background job.
   void saveLabels(const std::filesystem::path &path);
-  /// What is picked or painted has not changed since it was saved.
-  [[nodiscard]] bool isMaskSaved() const {
-    return savedMaskEdits_ == workflow_.mask().edits() && savedMask_.lock() == workflow_.mask().mask();
-  }
+  /// What is picked or painted has not changed since it was saved as a label map.
+  [[nodiscard]] bool isMaskSaved() const { return savedRevision_ == workflow_.mask().revision(); }
+  /// Selects this when the label maps of the image have been read. Call when the image is shown.
+  void restoreSelection(segmentation::Selection selection) { toRestore_ = std::move(selection); }
   /// The outlines of the bodies replace their labels, and none of them is selected any more.
   void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
   /// The bodies have been removed: their labels are shown again.
@@ -99,6 +100,7 @@ class WorkstationImages {
   /// Updates scanBody_ with what is open.
   void updateScanBodySources();
   void showPreview();
+  void applyRestored();
   void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
                     std::vector<imaging::SeriesInfo> series);
@@ -123,8 +125,9 @@ class WorkstationImages {
   Handle node_, storedImage_;
   std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< the displayed preview
   std::vector<Coverage> coverage_;
-  std::optional<std::uint64_t> savedMaskEdits_;
-  std::weak_ptr<const imaging::Mask> savedMask_;  ///< undo and redo replace the mask without an edit
+  std::optional<std::uint64_t> savedRevision_;
+  std::optional<segmentation::Selection> toRestore_;
+  bool isRestoring_ = false;
 };
 
 }  // namespace c3de::app

@@ -29,7 +29,7 @@ std::vector<std::filesystem::path> WorkstationLabels::files() const {
 }
 
 void WorkstationLabels::readNext() {
-  if (waiting_.empty()) return;
+  if (waiting_.empty()) return events_.loaded();
   const std::filesystem::path path = waiting_.front();
   waiting_.pop_front();
   const std::string name = imageName(path);

@@ -31,7 +31,8 @@ class WorkstationLabels {
     segmentation::SegmentationWorkflow &workflow;  ///< receives the shown map as a source
   };
   struct Events {
-    std::function<void()> shown;  ///< another map is shown
+    std::function<void()> shown;   ///< another map is shown
+    std::function<void()> loaded;  ///< no map is waiting any more
     ReportError failed;
   };
   WorkstationLabels(const Parts &parts, Events events)
@@ -41,6 +42,7 @@ class WorkstationLabels {
   void open(const std::filesystem::path &path);
   /// Closes all maps, also those that are waiting.
   void close();
+  [[nodiscard]] bool isLoading() const { return job_.isRunning() || !waiting_.empty(); }
   /// Of all maps, each once.
   [[nodiscard]] std::vector<std::filesystem::path> files() const;
   /// For the panel of the image, which offers the maps.

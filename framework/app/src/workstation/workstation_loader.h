@@ -22,9 +22,10 @@ class WorkstationLoader {
     std::filesystem::path file;
     SessionFile saved;
     std::vector<FoundFile> files;
-    SimulationSource source;  ///< empty: no simulation, only an image
-    std::string action;       ///< undo or redo that restores it, or a return: "undo create liver"; empty: it was opened
-    std::string title;        ///< of the simulation; empty: that of its scene
+    std::shared_ptr<const imaging::Mask> mask;  ///< of saved.view.selection; null: none
+    SimulationSource source;                    ///< empty: no simulation, only an image
+    std::string action;  ///< undo or redo that restores it, or a return: "undo create liver"; empty: it was opened
+    std::string title;   ///< of the simulation; empty: that of its scene
     bool usesChangedFiles = false;  ///< a state that does not fit is not restored
   };
   struct Loaded {

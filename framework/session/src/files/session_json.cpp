@@ -66,6 +66,16 @@ class KeyReader {
       return true;
     });
   }
+  void counts(const char *key, std::vector<std::uint64_t> &out) {
+    read(key, "a list of whole numbers, 0 or more", [&](const Json &value) {
+      if (!value.is_array()) return false;
+      for (const Json &one : value) {
+        if (!one.is_number_unsigned()) return false;
+        out.push_back(one.get<std::uint64_t>());
+      }
+      return true;
+    });
+  }
   void flag(const char *key, bool &out) {
     read(key, "true or false", [&](const Json &value) {
       if (!value.is_boolean()) return false;
@@ -284,6 +294,19 @@ void readView(const Json &object, ParsedSession &out, std::string &error) {
     view.camera = camera;
   }
   if (reader.has("measurements")) readMeasurements(reader.object("measurements"), view.measurements.emplace(), error);
+  if (reader.has("selection")) {
+    const Json selection = reader.object("selection");
+    SavedSelection &picked = view.selection.emplace();
+    if (selection.is_object()) {
+      KeyReader keys(selection, "view.selection.", error);
+      keys.text("mask", picked.mask);
+      keys.counts("labels", picked.labels);
+      keys.text("name", picked.name);
+      keys.number("low", picked.low);
+      keys.number("high", picked.high);
+      keys.keepRest(Pointer() / "view" / "selection", out.session.unknown);
+    }
+  }
   reader.keepRest(Pointer() / "view", out.session.unknown);
 }
 
@@ -318,6 +341,12 @@ Json viewJson(const SessionView &view) {
   if (view.window) json["window"] = *view.window;
   if (view.level) json["level"] = *view.level;
   if (view.measurements) json["measurements"] = measurementsJson(*view.measurements);
+  if (view.selection) {
+    const SavedSelection &picked = *view.selection;
+    Json &selection = json["selection"] =
+        Json{{"labels", picked.labels}, {"name", picked.name}, {"low", picked.low}, {"high", picked.high}};
+    if (!picked.mask.empty()) selection["mask"] = picked.mask;
+  }
   if (view.camera)
     json["camera"] = Json{{"focus_mm", view.camera->focus_mm},
                           {"yaw_rad", view.camera->yaw_rad},
@@ -365,7 +394,8 @@ bool addUnknown(const std::string &pointer, const Json &value, const SessionFile
     at.pop_back();
     Json *object = nullptr;
     const Pointer files = Pointer() / "files";
-    if (at.empty() || at == Pointer() / "view" || at == Pointer() / "view" / "camera") {
+    if (at.empty() || at == Pointer() / "view" || at == Pointer() / "view" / "camera" ||
+        at == Pointer() / "view" / "selection") {
       // What they described is not in this session.
       if (!at.empty() && !json.contains(at)) return true;
       object = &json[at];

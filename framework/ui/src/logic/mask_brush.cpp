@@ -7,6 +7,7 @@
 
 #include "c3de/registry/tool_registry.h"
 #include "c3de/segmentation/segmentation_workflow.h"
+#include "logic/tool_event.h"
 
 namespace c3de::ui {
 namespace {
@@ -14,15 +15,6 @@ namespace {
 constexpr double kRadiusFactor = 1.25;  // of a key press
 constexpr double kShortestPart = 0.25;  // of the radius: points of a path that are closer are left out
 constexpr double kSamePlane_mm = 1e-6;
-
-std::optional<Pane> paneOf(const c3de_event &event) {
-  switch (event.where) {
-    case C3DE_IN_AXIAL: return Pane::axial;
-    case C3DE_IN_SAGITTAL: return Pane::sagittal;
-    case C3DE_IN_CORONAL: return Pane::coronal;
-    default: return {};
-  }
-}
 
 }  // namespace
 
@@ -82,7 +74,7 @@ c3de_status C3DE_CALL MaskBrush::onEvent(void *self, const c3de_event *event, st
 
 bool MaskBrush::handle(const c3de_event &event) {
   if (event.type == C3DE_EVENT_KEY) return pressKey(event.key);
-  const std::optional<Pane> pane = paneOf(event);
+  const std::optional<Pane> pane = slicePaneOf(event);
   if (!pane || !images_.image()) {
     if (!isDown_) pane_.reset();
     return false;

@@ -8,6 +8,7 @@
 #include "c3de/ui/commands.h"
 #include "c3de/ui/image_views.h"
 #include "logic/seen_inside.h"
+#include "logic/tool_event.h"
 
 namespace c3de::ui {
 namespace {
@@ -16,10 +17,6 @@ Vec3 vec(const double *p) { return {p[0], p[1], p[2]}; }
 
 std::size_t pointsOf(MeasureKind kind) {
   return kind == MeasureKind::landmark ? 1 : kind == MeasureKind::distance ? 2 : 3;
-}
-
-Pane paneOf(const c3de_event &event) {
-  return event.where == C3DE_IN_AXIAL ? Pane::axial : event.where == C3DE_IN_SAGITTAL ? Pane::sagittal : Pane::coronal;
 }
 
 }  // namespace
@@ -85,7 +82,8 @@ Vec3 MeasurementTools::inPlaneOf(const Vec3 &point, const c3de_event &event) con
 
 const MeasuredPoint *MeasurementTools::under(const c3de_event &event) const {
   const Vec3 origin = vec(event.ray_origin_mm), direction = vec(event.ray_direction);
-  const bool isInSlice = event.where != C3DE_IN_SPACE;
+  const std::optional<Pane> slice = slicePaneOf(event);
+  const bool isInSlice = slice.has_value();
   const MeasuredPoint *nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const MeasuredPoint &one : parts_.list.set().points) {
@@ -95,7 +93,7 @@ const MeasuredPoint *MeasurementTools::under(const c3de_event &event) const {
     double reach_mm = 0.0;
     if (isInSlice) {
       if (!parts_.images) continue;
-      const SliceView &view = parts_.images->view(paneOf(event));
+      const SliceView &view = parts_.images->view(*slice);
       if (std::abs(along) > 0.5 * view.step() + 1e-6) continue;
       reach_mm = kReach_px * view.millimetresPerPixel();
     } else {

@@ -12,6 +12,12 @@ std::uint32_t whereOf(Pane slice) {
 
 }  // namespace
 
+std::optional<Pane> slicePaneOf(const c3de_event &event) {
+  for (const Pane slice : kSlicePanes)
+    if (event.where == whereOf(slice)) return slice;
+  return {};
+}
+
 bool SliceController::sendToTool(const ImageViews &images, Pane slice, const ViewInput &input, std::uint32_t type) {
   const SliceView &view = images.view(slice);
   const Vec3 normal = view.frame().normal();

@@ -35,6 +35,8 @@ class MaskEditor {
   [[nodiscard]] const MaskSources &sources() const { return sources_; }
 
   void applyStep(const MaskStep &step);
+  /// Replaces the mask and the undo history by a mask of an earlier run. @param step  Kind::restored
+  void restore(std::shared_ptr<const imaging::Mask> mask, const MaskStep &step);
   /// Reverts one step; consecutive thresholds count as one. Not while a job runs.
   void undo();
   /// Possible until another step is carried out.
@@ -47,6 +49,8 @@ class MaskEditor {
   [[nodiscard]] bool isBusy() const { return !job_.isNull(); }
   /// Incremented by every requested step.
   [[nodiscard]] std::uint64_t edits() const { return edits_; }
+  /// Incremented whenever the mask has changed, or the labels that are picked instead of one.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   /// Null: no mask.
   [[nodiscard]] const std::shared_ptr<const imaging::Mask> &mask() const { return shown_.mask; }
@@ -92,7 +96,7 @@ class MaskEditor {
   std::deque<MaskStep> waiting_;
   MaskStep running_;
   bool isStepRunning_ = false;  ///< otherwise the job is an undo or redo
-  std::uint64_t edits_ = 0;
+  std::uint64_t edits_ = 0, revision_ = 0;
   Handle job_;
   std::uint64_t serial_ = 0;  ///< of the job whose result counts
   std::string problem_;

@@ -21,11 +21,24 @@ struct MaskSources {
 
 /// One user action while picking an organ.
 struct MaskStep {
-  enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open, paint, grow, fillBetween };
+  enum class Kind {
+    label,
+    labels,
+    threshold,
+    restored,
+    component,
+    largest,
+    fillHoles,
+    close,
+    open,
+    paint,
+    grow,
+    fillBetween
+  };
   Kind kind = Kind::threshold;
   std::uint16_t label = 0;              ///< label: its value
-  std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them
-  double low = 0.0, high = 0.0;         ///< threshold: values of the image
+  std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them. restored: picked ones
+  double low = 0.0, high = 0.0;         ///< threshold, restored: values of the image
   Vec3 world{};                         ///< component, grow: a point in it, LPS mm
   double radius_mm = 0.0;               ///< close, open; grow: farthest distance from `world`, 0: unlimited
   double tolerance = 0.0;               ///< grow: of image values
@@ -34,7 +47,7 @@ struct MaskStep {
 
   /// Whether the step ignores the previous mask.
   [[nodiscard]] bool ignoresPreviousMask() const {
-    return kind == Kind::label || kind == Kind::labels || kind == Kind::threshold;
+    return kind == Kind::label || kind == Kind::labels || kind == Kind::threshold || kind == Kind::restored;
   }
   /// Display text: "threshold 150 … 900".
   [[nodiscard]] std::string text() const;

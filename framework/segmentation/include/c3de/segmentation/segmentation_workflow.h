@@ -49,6 +49,16 @@ struct SegmentationSettings {
   imaging::MaskCleanUp mend;  ///< of each of several labels
 };
 
+/// What is picked, for storage. Values.
+struct Selection {
+  std::shared_ptr<const imaging::Mask> mask;  ///< null: none, or several labels
+  std::vector<std::uint16_t> labels;          ///< picked of the label map
+  std::string name;                           ///< of the organ
+  double low = 0.0, high = 0.0;               ///< limits of the threshold
+
+  [[nodiscard]] bool isEmpty() const { return !mask && labels.empty(); }
+};
+
 /// The workflow from an image to bodies of a simulation: pick, material, sampling, go. A single label or threshold
 /// gives a mask that can be edited; several labels are used unchanged. No drawing. Main thread; lifetime as for
 /// MaskEditor.
@@ -69,6 +79,10 @@ class SegmentationWorkflow {
   void setSources(MaskSources sources);
   /// Another time point of the same image: the mask is retained, later steps use the new image.
   void replaceImage(std::shared_ptr<const scene::StoredImage> image) { mask_.replaceImage(std::move(image)); }
+
+  [[nodiscard]] Selection selection() const;
+  /// Selects again what was stored for the present sources. Undo does not go back beyond it.
+  void restore(const Selection &selection);
 
   [[nodiscard]] const SegmentationSettings &settings() const { return settings_; }
   [[nodiscard]] const MaskEditor &mask() const { return mask_; }

@@ -89,6 +89,13 @@ enum class Embedding {
                                             FileReferences &references, const ProgressFn &progress, Embedding embedding,
                                             SessionFile &saved);
 
+/// Adds a mask as a member and returns the name of that.
+[[nodiscard]] std::string addMask(const imaging::Mask &mask, SessionFile &saved);
+/// The mask of SessionView::selection; null: none. @param file  for messages. Errors (input): its member is missing or
+/// damaged.
+[[nodiscard]] Expected<std::shared_ptr<const imaging::Mask>> maskOfSelection(const SessionFile &saved,
+                                                                             const std::filesystem::path &file);
+
 /// Adds what this program does not change or know in a session that was opened: members, keys, view.
 /// @param files  of the opened session
 /// Errors: as addFile().

@@ -52,6 +52,16 @@ struct SavedMeasurements {
   friend bool operator==(const SavedMeasurements &, const SavedMeasurements &) = default;
 };
 
+/// What was picked or painted in the image, of which no body had been created yet.
+struct SavedSelection {
+  std::string mask;                   ///< member with the mask; empty: none
+  std::vector<std::uint64_t> labels;  ///< picked labels of the shown label map, in order
+  std::string name;                   ///< of the organ
+  double low = 0.0, high = 0.0;       ///< limits of the threshold, image values
+
+  friend bool operator==(const SavedSelection &, const SavedSelection &) = default;
+};
+
 /// What the window showed. Paths as in SessionFile::files, or names of members.
 struct SessionView {
   struct CameraPose {
@@ -68,6 +78,7 @@ struct SessionView {
   std::optional<double> window, level;  ///< in the unit of the voxels
   std::optional<CameraPose> camera;
   std::optional<SavedMeasurements> measurements;  ///< none: those of the scene
+  std::optional<SavedSelection> selection;        ///< none: nothing is picked
 
   friend bool operator==(const SessionView &, const SessionView &) = default;
 };
