@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <regex>
 
 #include "c3de/imaging/reading.h"
@@ -81,6 +82,10 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   window.enterNumber("segmentation/low", "60");
   window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.other));
   CHECK(window.value("image/preview") == "shown");
+  CHECK(window.value("segmentation/Values") == "100 ± 0, 100 … 100");
+  // The threshold divides an interval of the histogram that is empty.
+  CHECK(window.value("segmentation/Between") ==
+        fmt::format("about {:.3g} % of the voxels", 100.0 * double(phantom.organ + phantom.other) / (70.0 * 50.0 * 40.0)));
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("threshold");
   CHECK(window.differsFrom("before", "threshold", 500));
@@ -373,6 +378,17 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   CHECK(read->labels.labels[0].name == "organ");
   CHECK(std::count(read->labels.voxels.begin(), read->labels.voxels.end(), read->labels.labels[0].value) ==
         static_cast<std::ptrdiff_t>(filled));
+  const fs::path table = outputFile("segmentation_brush.csv");
+  fs::remove(table);
+  window.clickMenu("file.save_statistics");
+  window.enterFile(table);
+  C3DE_WAIT(window, "the statistics are saved", !notification(s, "Region statistics saved").is_null());
+  std::ifstream csv(table);
+  std::string head, row;
+  std::getline(csv, head);
+  std::getline(csv, row);
+  CHECK(head == "label,name,voxels,volume_ml,measured,mean,sd,minimum,maximum,unit");
+  CHECK(row.starts_with(fmt::format(",organ,{0},{1},{0},", filled, filled * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0)));
   // An undone step is not what was saved: quitting asks. Saved, nothing is lost by it.
   window.key("ctrl+z");
   waitForVoxels("the last step is undone", both, both);

@@ -85,12 +85,15 @@ void MaskEditor::submit(const std::string &title, std::function<Expected<imaging
   const std::uint64_t serial = ++serial_;
   job_ = jobs_.submit(
       jobOwner_, title,
-      [make = std::move(make), result](const ProgressFn &progress) -> Expected<void> {
+      [make = std::move(make), result, image = sources_.image](const ProgressFn &progress) -> Expected<void> {
         auto made = make(progress);
         if (!made) return tl::unexpected(made.error());
         const auto mask = std::make_shared<const imaging::Mask>(std::move(*made));
         result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMaxPreviewVoxels)),
-                         imaging::voxelCount(*mask)};
+                         imaging::voxelCount(*mask), {}};
+        auto statistics = imaging::statisticsOf(*mask, image ? &image->volume : nullptr, progress);
+        if (!statistics) return tl::unexpected(statistics.error());
+        result->shown.statistics = *statistics;
         if (!result->packed) result->packed = std::make_shared<const PackedMask>(*mask);
         return {};
       },

@@ -299,6 +299,25 @@ std::function<Expected<imaging::LabelMap>()> SegmentationWorkflow::labelMapToSav
   };
 }
 
+std::function<Expected<std::string>(const ProgressFn &)> SegmentationWorkflow::statisticsToSave() const {
+  return [sources = mask_.sources(), mask = mask_.mask(), picked = mask_.statistics(),
+          name = settings_.name](const ProgressFn &progress) -> Expected<std::string> {
+    std::vector<imaging::NamedRegion> regions;
+    if (mask) regions.push_back({{}, name.empty() ? "organ" : name, picked, mask->geometry.voxelVolume()});
+    if (sources.labels) {
+      const imaging::LabelMap &map = sources.labels->map;
+      const auto measured =
+          imaging::statisticsOfLabels(map, sources.image ? &sources.image->volume : nullptr, progress);
+      if (!measured) return tl::unexpected(measured.error());
+      for (std::size_t i = 0; i < map.labels.size(); ++i)
+        regions.push_back({std::to_string(map.labels[i].value), map.labels[i].name, (*measured)[i],
+                           map.geometry.voxelVolume()});
+    }
+    if (regions.empty()) return fail(ErrorCode::state, "nothing is picked or painted yet, and no label map is open");
+    return imaging::statisticsCsv(regions, sources.image ? sources.image->volume.unit : std::string());
+  };
+}
+
 void SegmentationWorkflow::undo() {
   followsUndo_ = true;
   mask_.undo();

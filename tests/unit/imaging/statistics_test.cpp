@@ -4,6 +4,7 @@
 
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/imaging/region_statistics.h"
 #include "c3de/imaging/statistics.h"
 #include "support/catch.h"
 
@@ -153,4 +154,74 @@ TEST_CASE("a displacement grid is linear inside and zero outside", "[imaging]") 
   CHECK(grid.at({3.0, 7.0, 2.0})[2] == 7.0);  // the last point
   CHECK(grid.at({3.01, 7.0, 2.0}) == Vec3{});
   CHECK(grid.at({-1.01, 0.0, 0.0}) == Vec3{});
+}
+
+TEST_CASE("a histogram counts every value once, in values of the image", "[imaging][histogram]") {
+  Volume volume = volumeOf(std::vector<std::int16_t>{0, 1, 1, 2, 3, 4, 4, 4, -7, 50});
+  volume.slope = 10.0;
+  volume.intercept = 5.0;
+  // 5, 15, 15 | 25, 35, 45, 45, 45: the upper limit belongs to the last interval
+  CHECK(imaging::histogramOf(volume, 5.0, 45.0, 2) == std::vector<std::uint64_t>{3, 5});
+  CHECK(imaging::histogramOf(volume, 5.0, 45.0, 4) == std::vector<std::uint64_t>{1, 2, 1, 4});
+  volume.slope = -10.0;
+  volume.intercept = 50.0;
+  CHECK(imaging::histogramOf(volume, 10.0, 50.0, 4) == std::vector<std::uint64_t>{3, 1, 1, 3});
+  CHECK(imaging::histogramOf(volume, 10.0, 10.0, 4).empty());
+  CHECK(imaging::histogramOf(volume, 10.0, 50.0, 0).empty());
+  const Volume broken = volumeOf(std::vector<float>{0.5f, std::numeric_limits<float>::quiet_NaN(),
+                                                    std::numeric_limits<float>::infinity(), 1.0f});
+  CHECK(imaging::histogramOf(broken, 0.0, 1.0, 2) == std::vector<std::uint64_t>{0, 2});
+}
+
+TEST_CASE("values in labels have the mean and the deviation of their formulas, on any grid", "[imaging][regions]") {
+  // Values x + 100 y on the grid of the image; the labels are finer, turned by axes, and reach beyond it.
+  imaging::Volume image;
+  image.geometry = {{6, 5, 4}, {2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, 10, 20, 30, 1}};
+  std::vector<std::int16_t> values;
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 5; ++j)
+      for (int i = 0; i < 6; ++i) values.push_back(static_cast<std::int16_t>(i + 100 * j));
+  image.voxels = values;
+  image.slope = 2.0;
+  image.intercept = -7.0;
+  imaging::LabelMap same;
+  same.geometry = image.geometry;
+  same.voxels.assign(120, 9);
+  for (std::size_t v = 0; v < 60; ++v) same.voxels[v] = 4;
+  same.labels = {{4, "lower", {}}, {9, "upper, with comma", {}}};
+  const auto measured = imaging::statisticsOfLabels(same, &image);
+  REQUIRE(measured);
+  REQUIRE(measured->size() == 2);
+  // i of 0 … 5: mean 2.5, mean square deviation 35/12; j of 0 … 4: 2 and 2.
+  const double variance = 4.0 * (35.0 / 12.0 + 1e4 * 2.0) * 60.0 / 59.0;
+  for (const imaging::RegionStatistics &one : *measured) {
+    CHECK(one.voxels == 60);
+    CHECK(one.measured == 60);
+    CHECK_THAT(one.mean, WithinRel(2.0 * (2.5 + 200.0) - 7.0, 1e-12));
+    CHECK_THAT(one.sd, WithinRel(std::sqrt(variance), 1e-12));
+    CHECK(one.min == -7.0);
+    CHECK(one.max == 2.0 * 405.0 - 7.0);
+  }
+
+  // The same points as a mask of another grid: axes exchanged, and a layer outside of the image.
+  imaging::Mask mask;
+  mask.geometry = {{5, 6, 5}, {0, 3, 0, 0, 2, 0, 0, 0, 0, 0, 4, 0, 10, 20, 30, 1}};
+  mask.voxels.assign(150, 1);
+  const auto turned = imaging::statisticsOf(mask, &image);
+  REQUIRE(turned);
+  CHECK(turned->voxels == 150);
+  CHECK(turned->measured == 120);
+  CHECK_THAT(turned->mean, WithinRel(2.0 * 202.5 - 7.0, 1e-12));
+  CHECK_THAT(turned->sd, WithinRel(std::sqrt(variance * (59.0 / 60.0) * (120.0 / 119.0)), 1e-12));
+
+  const auto counted = imaging::statisticsOf(mask, nullptr);
+  REQUIRE(counted);
+  CHECK((counted->voxels == 150 && counted->measured == 0));
+  const auto cancelled = imaging::statisticsOf(mask, &image, [](double, const std::string &) { return false; });
+  REQUIRE_FALSE(cancelled);
+  CHECK(cancelled.error().code == ErrorCode::cancelled);
+  const std::string text = imaging::statisticsCsv(
+      {{"9", "upper, with comma", measured->back(), 24.0}, {"", "organ", *counted, 24.0}}, "HU");
+  CHECK_THAT(text, Contains("\n9,\"upper, with comma\",60,1.44,60,398,") && Contains(",-7,803,HU\n") &&
+                       Contains("\n,organ,150,3.6,0,,,,,\n"));
 }

@@ -73,7 +73,8 @@ std::string ExportController::proposedName(ui::Command exported) const {
   const scene::StoredImage *image = parts_.images.views().image();
   const scene::Node *node = session.sceneGraph().find(session.simulationNode());
   const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportLabels ||
-                         exported == ui::Command::exportDisplacement || exported == ui::Command::saveLabels;
+                         exported == ui::Command::exportDisplacement || exported == ui::Command::saveLabels ||
+                         exported == ui::Command::saveStatistics;
   std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name))
                      : node             ? node->name
                                         : std::string();
@@ -83,6 +84,7 @@ std::string ExportController::proposedName(ui::Command exported) const {
   if (exported == ui::Command::exportLabels) name += "-labels-deformed";
   if (exported == ui::Command::exportDisplacement) name += "-displacement";
   if (exported == ui::Command::saveLabels) return name + "-labels";
+  if (exported == ui::Command::saveStatistics) return name + "-statistics";
   if (exported == ui::Command::exportTissues) name += "-tissues";
   if (exported == ui::Command::saveSessionAs) return name;
   if (scene::Simulation *simulation = session.simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);

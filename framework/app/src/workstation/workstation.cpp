@@ -264,6 +264,7 @@ ui::WindowActions Workstation::actions() {
   actions.open = [this](const ui::OpenRequest &request) { open(request); };
   actions.reload = [this] { loader_->reload(); };
   actions.saveLabels = [this](const std::filesystem::path &file) { images_->saveLabels(file); };
+  actions.saveStatistics = [this](const std::filesystem::path &file) { images_->saveStatistics(file); };
   actions.closeImage = [this] { closeImage(); };
   actions.closeSimulation = [this] { closeSimulation(); };
   actions.screenshot = [this] { saveScreenshot(); };

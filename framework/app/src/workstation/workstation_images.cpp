@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "c3de/abi/log.h"
+#include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/imaging/writing.h"
 #include "c3de/render/image_renderer.h"
@@ -12,6 +13,8 @@
 
 namespace c3de::app {
 namespace {
+
+constexpr std::size_t kHistogramBins = 128;  // about two pixels each in the panel
 
 /// Result of a reading job, passed to the main thread when it is complete.
 struct ReadImage {
@@ -43,6 +46,8 @@ Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress,
   image->name = wanted.name;
   image->volume = std::move(loaded->volume);
   image->range = imaging::robustRange(image->volume);
+  if (image->volume.colours.empty())
+    image->histogram = imaging::histogramOf(image->volume, image->range.min, image->range.max, kHistogramBins);
   image->time = wanted.time;
   image->times = loaded->times;
   read.image = std::move(image);
@@ -318,6 +323,20 @@ void WorkstationImages::saveLabels(const std::filesystem::path &path) {
           });
         };
         panels_.notify(C3DE_LOG_INFO, "Label map saved", pathText(path) + notice, {{"Show it over the image", open}});
+      });
+}
+
+void WorkstationImages::saveStatistics(const std::filesystem::path &path) {
+  session_.jobs().submit(
+      kJobOwner, "Measuring regions",
+      [make = workflow_.statisticsToSave(), path](const ProgressFn &progress) -> Expected<void> {
+        const auto text = make(progress);
+        if (!text) return tl::unexpected(text.error());
+        return writeWholeFile(path, *text);
+      },
+      [this, path](const Expected<void> &written) {
+        if (!written) return events_.failed("The region statistics could not be saved", written.error());
+        panels_.notify(C3DE_LOG_INFO, "Region statistics saved", pathText(path));
       });
 }
 

@@ -72,6 +72,8 @@ class WorkstationImages {
   void openLabels(const std::filesystem::path &path) { labels_.open(path); }
   /// Writes the open label map with what is picked as one of its labels, in a background job.
   void saveLabels(const std::filesystem::path &path);
+  /// Writes volume and image values of what is picked and of each label as CSV, in a background job.
+  void saveStatistics(const std::filesystem::path &path);
   /// What is picked or painted has not changed since it was saved as a label map.
   [[nodiscard]] bool isMaskSaved() const { return savedRevision_ == workflow_.mask().revision(); }
   /// Selects this when the label maps of the image have been read. Call when the image is shown.

@@ -139,4 +139,20 @@ ValueRange robustRange(const Volume &volume, double clipped) {
   return range;
 }
 
+std::vector<std::uint64_t> histogramOf(const Volume &volume, double low, double high, std::size_t bins) {
+  if (!(low < high) || bins == 0) return {};
+  std::vector<std::uint64_t> counts(bins, 0);
+  const double perBin = static_cast<double>(bins) / (high - low);
+  std::visit(
+      [&](const auto &voxels) {
+        for (const auto v : voxels) {
+          const double value = volume.slope * static_cast<double>(v) + volume.intercept;
+          if (!(value >= low && value <= high)) continue;
+          ++counts[std::min(bins - 1, static_cast<std::size_t>((value - low) * perBin))];
+        }
+      },
+      volume.voxels);
+  return counts;
+}
+
 }  // namespace c3de::imaging

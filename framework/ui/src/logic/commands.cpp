@@ -34,6 +34,8 @@ constexpr CommandInfo kCommands[] = {
     {Command::saveLabels, "file.save_labels", "Save label map…",
      "Write what is picked or painted, with the labels of the open map: NRRD, NIfTI, MetaImage",
      beginsGroup | needsImage},
+    {Command::saveStatistics, "file.save_statistics", "Save region statistics…",
+     "Write volume, mean and standard deviation of what is picked and of each label: CSV", needsImage},
     {Command::exportSurface, "file.export_surface", "Export surface…",
      "Write the bodies' skins as they lie now: OBJ, STL, PLY, VTP", beginsGroup | needsSimulation, 'E', C3DE_MOD_CTRL},
     {Command::exportFrame, "file.export_frame", "Export simulation frame…",

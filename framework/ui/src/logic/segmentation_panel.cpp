@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "c3de/ui/commands.h"
 #include "logic/label_list.h"
@@ -139,6 +140,7 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v1 &ui) {
   const scene::StoredImage &image = *workflow_.mask().sources().image;
   double low = workflow_.settings().low, high = workflow_.settings().high;
   const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
+  drawHistogram(ui, image);
   if (slider(ui, "low", "Lowest", image.volume.unit, low, least, most, "The lowest value that belongs to the body"))
     workflow_.setLow(low);
   if (slider(ui, "high", "Highest", image.volume.unit, high, least, most, "The highest value that belongs to the body"))
@@ -147,6 +149,28 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v1 &ui) {
   for (const segmentation::MaskStep &step : workflow_.mask().steps())
     if (step.ignoresPreviousMask()) isShown = step.kind == segmentation::MaskStep::Kind::threshold;
   if (!isShown && button(ui, "threshold", "Show what lies between")) workflow_.showThreshold();
+}
+
+/// The peaks are tissues; a threshold between two of them separates these.
+void SegmentationPanel::drawHistogram(const c3de_ui_v1 &ui, const scene::StoredImage &image) {
+  if (image.histogram.empty()) return;
+  const double low = workflow_.settings().low, high = workflow_.settings().high;
+  const double width = (image.range.max - image.range.min) / static_cast<double>(image.histogram.size());
+  std::vector<double> logarithms;
+  double inside = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < image.histogram.size(); ++i) {
+    const auto count = static_cast<double>(image.histogram[i]);
+    const double begin = image.range.min + width * static_cast<double>(i);
+    // Values are taken to be evenly distributed in an interval.
+    inside += count * std::clamp((std::min(high, begin + width) - std::max(low, begin)) / width, 0.0, 1.0);
+    all += count;
+    logarithms.push_back(std::log10(1.0 + count));
+  }
+  const std::string label = "Voxels from " + formatNumber(image.range.min) + " to " + formatNumber(image.range.max) +
+                            (image.volume.unit.empty() ? "" : " " + image.volume.unit) + ", powers of ten";
+  ui.curve(ui.ctx, toAbi(std::string_view("histogram")), toAbi(label), toAbi(std::string_view()), logarithms.data(),
+           logarithms.size());
+  row(ui, "Between", fmt::format("about {:.3g} % of the voxels", all > 0.0 ? 100.0 * inside / all : 0.0));
 }
 
 void SegmentationPanel::drawMask(const c3de_ui_v1 &ui) {
@@ -158,6 +182,12 @@ void SegmentationPanel::drawMask(const c3de_ui_v1 &ui) {
   row(ui, "Picked", volume);
   if (const std::string problem = workflow_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
   if (!hasMask) return;
+  if (const imaging::RegionStatistics &s = mask.statistics(); s.measured > 0) {
+    const std::string &unit = mask.sources().image->volume.unit;
+    row(ui, "Values", fmt::format("{:.4g} ± {:.3g}{}, {} … {}", s.mean, s.sd, unit.empty() ? "" : " " + unit,
+                                  formatNumber(s.min), formatNumber(s.max)));
+    tooltip(ui, "Mean ± standard deviation, least and largest value of the image in the mask");
+  }
   swatch(ui, workflow_.colour());
   ImageOptions options = views_.options();
   if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map"))

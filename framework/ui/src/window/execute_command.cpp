@@ -79,6 +79,7 @@ void openExportDialog(FrameContext &frame, Command command) {
     case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
     case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
     case Command::saveLabels: set("Save label map", kImageExtensions, actions.saveLabels); break;
+    case Command::saveStatistics: set("Save region statistics", "csv", actions.saveStatistics); break;
     case Command::exportLabels: set("Export deformed labels", kImageExtensions, actions.exportLabels); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
     case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
@@ -226,6 +227,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::closeSimulation: call(frame.actions.closeSimulation); break;
     case Command::reload: call(frame.actions.reload); break;
     case Command::saveLabels:
+    case Command::saveStatistics:
     case Command::exportSurface:
     case Command::exportFrame:
     case Command::exportImage:

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "c3de/imaging/volume.h"
 
 namespace c3de::imaging {
@@ -21,5 +24,9 @@ struct ValueRange {
 /// @param clipped  fraction of the voxels excluded at each end, 0 … 0.5; accurate to a 4096th of max - min for types
 ///                 other than integers of 8 and 16 bits
 [[nodiscard]] ValueRange robustRange(const Volume &volume, double clipped = 0.001);
+
+/// Number of voxels with values in `bins` equal intervals from `low` to `high`, which belongs to the last one; others, and
+/// values that are not finite, are left out. Empty if low >= high or bins == 0. Any thread.
+[[nodiscard]] std::vector<std::uint64_t> histogramOf(const Volume &volume, double low, double high, std::size_t bins);
 
 }  // namespace c3de::imaging

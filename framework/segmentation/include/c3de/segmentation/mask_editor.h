@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "c3de/core/handle.h"
+#include "c3de/imaging/region_statistics.h"
 #include "c3de/segmentation/mask_steps.h"
 
 namespace c3de {
@@ -56,6 +57,8 @@ class MaskEditor {
   [[nodiscard]] const std::shared_ptr<const imaging::Mask> &mask() const { return shown_.mask; }
   [[nodiscard]] const std::shared_ptr<const MaskPreview> &preview() const { return shown_.preview; }
   [[nodiscard]] std::size_t voxels() const { return shown_.voxels; }
+  /// Of the image values inside the mask.
+  [[nodiscard]] const imaging::RegionStatistics &statistics() const { return shown_.statistics; }
   [[nodiscard]] double volume_ml() const;
   /// The steps that led to the mask, in order.
   [[nodiscard]] std::vector<MaskStep> steps() const;
@@ -69,6 +72,7 @@ class MaskEditor {
     std::shared_ptr<const imaging::Mask> mask;
     std::shared_ptr<const MaskPreview> preview;
     std::size_t voxels = 0;
+    imaging::RegionStatistics statistics;
   };
   struct State {
     MaskStep step;

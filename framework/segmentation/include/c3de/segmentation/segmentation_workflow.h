@@ -126,6 +126,9 @@ class SegmentationWorkflow {
   /// The label map to be saved: the open one with the mask as a label of it, or the mask alone. For a background job,
   /// which it may outlive. Errors: nothing is picked.
   [[nodiscard]] std::function<Expected<imaging::LabelMap>()> labelMapToSave() const;
+  /// CSV of what is picked and of all labels of the open map: volume and image values. For a background job, which it
+  /// may outlive. Errors: nothing is picked and no map is open; cancelled.
+  [[nodiscard]] std::function<Expected<std::string>(const ProgressFn &)> statisticsToSave() const;
   /// The open label map has another grid than the mask, which is therefore saved alone.
   [[nodiscard]] bool isMaskSavedAlone() const;
   void setRadius(double radius_mm) { settings_.radius_mm = radius_mm; }

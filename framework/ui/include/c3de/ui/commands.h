@@ -24,6 +24,7 @@ enum class Command {
   saveSessionAs,
   saveSessionWithFiles,
   saveLabels,
+  saveStatistics,
   exportSurface,
   exportFrame,
   exportImage,

@@ -36,6 +36,7 @@ class SegmentationPanel {
   void drawSource(const c3de_ui_v1 &ui);
   void drawLabels(const c3de_ui_v1 &ui);
   void drawThreshold(const c3de_ui_v1 &ui);
+  void drawHistogram(const c3de_ui_v1 &ui, const scene::StoredImage &image);
   void drawMask(const c3de_ui_v1 &ui);
   void drawPainting(const c3de_ui_v1 &ui);
   void drawGrowing(const c3de_ui_v1 &ui);

@@ -119,6 +119,7 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
+  std::function<void(const std::filesystem::path &)> saveStatistics;              ///< of the regions in the image
   std::function<void(const std::filesystem::path &)> saveLabels;                  ///< with the mask as a label
   /// Image and labels in the present state of the tissue; its displacement
   std::function<void(const std::filesystem::path &)> exportImage, exportLabels, exportDisplacement;
