@@ -16,7 +16,7 @@ TEST_CASE("a force painted on an organ acts while it plays and is undone", "[org
   startOrgan(window);
   const Point middle = window.inView(0.5, 0.5);
   window.moveTo(middle);
-  window.key("b");
+  window.key("n");
   C3DE_WAIT(window, "the load tool is active", s["tool"] == "pointbased.load");
   CHECK(row(window.state(), "Selected") == "nothing");
   window.press();

@@ -160,7 +160,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   CHECK(window.isRunning());
 }
 
-TEST_CASE("quitting asks once a simulation has run; Escape stays, a button quits", "[organ_quit]") {
+TEST_CASE("quitting asks once a simulation has run, Escape stays, a button quits", "[organ_quit]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_quit");
   startOrgan(window);

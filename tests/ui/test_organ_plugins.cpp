@@ -42,7 +42,7 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   CHECK(window.state()["messages"].empty());
 }
 
-TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself", "[organ_clamp]") {
+TEST_CASE("a plugin's clamp and the pinch hold one organ, each lets go by itself", "[organ_clamp]") {
   C3DE_ORGAN_OR_SKIP();
   const std::string clamp = examplePlugin("clamp");
   if (!fs::exists(clamp)) C3DE_SKIP("the clamp is not built");
@@ -78,7 +78,7 @@ TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself
   CHECK(window.state()["messages"].empty());
 }
 
-TEST_CASE("a command of a plugin stands in the menu and answers its keys; where it fails its text is shown",
+TEST_CASE("a command of a plugin stands in the menu and answers its keys, where it fails its text is shown",
           "[commands]") {
   C3DE_ORGAN_OR_SKIP();
   const std::string samples = examplePlugin("image_samples");

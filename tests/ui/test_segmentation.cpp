@@ -85,7 +85,8 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK(window.value("segmentation/Values") == "100 ± 0, 100 … 100");
   // The threshold divides an interval of the histogram that is empty.
   CHECK(window.value("segmentation/Between") ==
-        fmt::format("about {:.3g} % of the voxels", 100.0 * double(phantom.organ + phantom.other) / (70.0 * 50.0 * 40.0)));
+        fmt::format("about {:.3g} % of the voxels",
+                    100.0 * double(phantom.organ + phantom.other) / (70.0 * 50.0 * 40.0)));
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("threshold");
   CHECK(window.differsFrom("before", "threshold", 500));
@@ -388,7 +389,8 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   std::getline(csv, head);
   std::getline(csv, row);
   CHECK(head == "label,name,voxels,volume_ml,measured,mean,sd,minimum,maximum,unit");
-  CHECK(row.starts_with(fmt::format(",organ,{0},{1},{0},", filled, filled * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0)));
+  CHECK(row.starts_with(
+      fmt::format(",organ,{0},{1},{0},", filled, filled * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0)));
   // An undone step is not what was saved: quitting asks. Saved, nothing is lost by it.
   window.key("ctrl+z");
   waitForVoxels("the last step is undone", both, both);

@@ -89,8 +89,10 @@ void MaskEditor::submit(const std::string &title, std::function<Expected<imaging
         auto made = make(progress);
         if (!made) return tl::unexpected(made.error());
         const auto mask = std::make_shared<const imaging::Mask>(std::move(*made));
-        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMaxPreviewVoxels)),
-                         imaging::voxelCount(*mask), {}};
+        result->shown = {mask,
+                         std::make_shared<const MaskPreview>(previewOf(*mask, kMaxPreviewVoxels)),
+                         imaging::voxelCount(*mask),
+                         {}};
         auto statistics = imaging::statisticsOf(*mask, image ? &image->volume : nullptr, progress);
         if (!statistics) return tl::unexpected(statistics.error());
         result->shown.statistics = *statistics;

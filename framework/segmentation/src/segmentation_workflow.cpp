@@ -310,8 +310,8 @@ std::function<Expected<std::string>(const ProgressFn &)> SegmentationWorkflow::s
           imaging::statisticsOfLabels(map, sources.image ? &sources.image->volume : nullptr, progress);
       if (!measured) return tl::unexpected(measured.error());
       for (std::size_t i = 0; i < map.labels.size(); ++i)
-        regions.push_back({std::to_string(map.labels[i].value), map.labels[i].name, (*measured)[i],
-                           map.geometry.voxelVolume()});
+        regions.push_back(
+            {std::to_string(map.labels[i].value), map.labels[i].name, (*measured)[i], map.geometry.voxelVolume()});
     }
     if (regions.empty()) return fail(ErrorCode::state, "nothing is picked or painted yet, and no label map is open");
     return imaging::statisticsCsv(regions, sources.image ? sources.image->volume.unit : std::string());

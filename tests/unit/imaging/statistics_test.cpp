@@ -168,8 +168,8 @@ TEST_CASE("a histogram counts every value once, in values of the image", "[imagi
   CHECK(imaging::histogramOf(volume, 10.0, 50.0, 4) == std::vector<std::uint64_t>{3, 1, 1, 3});
   CHECK(imaging::histogramOf(volume, 10.0, 10.0, 4).empty());
   CHECK(imaging::histogramOf(volume, 10.0, 50.0, 0).empty());
-  const Volume broken = volumeOf(std::vector<float>{0.5f, std::numeric_limits<float>::quiet_NaN(),
-                                                    std::numeric_limits<float>::infinity(), 1.0f});
+  const Volume broken = volumeOf(
+      std::vector<float>{0.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1.0f});
   CHECK(imaging::histogramOf(broken, 0.0, 1.0, 2) == std::vector<std::uint64_t>{0, 2});
 }
 
@@ -220,8 +220,8 @@ TEST_CASE("values in labels have the mean and the deviation of their formulas, o
   const auto cancelled = imaging::statisticsOf(mask, &image, [](double, const std::string &) { return false; });
   REQUIRE_FALSE(cancelled);
   CHECK(cancelled.error().code == ErrorCode::cancelled);
-  const std::string text = imaging::statisticsCsv(
-      {{"9", "upper, with comma", measured->back(), 24.0}, {"", "organ", *counted, 24.0}}, "HU");
+  const std::string text =
+      imaging::statisticsCsv({{"9", "upper, with comma", measured->back(), 24.0}, {"", "organ", *counted, 24.0}}, "HU");
   CHECK_THAT(text, Contains("\n9,\"upper, with comma\",60,1.44,60,398,") && Contains(",-7,803,HU\n") &&
                        Contains("\n,organ,150,3.6,0,,,,,\n"));
 }

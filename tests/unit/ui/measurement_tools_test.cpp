@@ -51,7 +51,7 @@ struct Fixture {
 
 }  // namespace
 
-TEST_CASE("One click places a landmark; one that hits nothing is left to the camera") {
+TEST_CASE("One click places a landmark, one that hits nothing is left to the camera") {
   Fixture f;
   f.use("measure.landmark");
   CHECK_FALSE(f.click(5, 6, -1.0));
@@ -61,7 +61,7 @@ TEST_CASE("One click places a landmark; one that hits nothing is left to the cam
   CHECK(f.placed[0].second.at(0).at_mm == Vec3{5, 6, 100});
 }
 
-TEST_CASE("A distance takes two clicks, an angle three; an existing point is used") {
+TEST_CASE("A distance takes two clicks, an angle three, an existing point is used") {
   Fixture f;
   MeasurementSet set;
   set.points = {{"tip", {}, {50, 0, 100}, {}, false, false}};

@@ -90,8 +90,7 @@ Expected<std::vector<RegionStatistics>> measure(const VolumeGeometry &grid, cons
 Expected<std::vector<RegionStatistics>> statisticsOfLabels(const LabelMap &map, const Volume *image,
                                                            const ProgressFn &progress) {
   std::vector<std::uint32_t> regionOf(std::size_t{std::numeric_limits<std::uint16_t>::max()} + 1, kNoRegion);
-  for (std::size_t i = 0; i < map.labels.size(); ++i)
-    regionOf[map.labels[i].value] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < map.labels.size(); ++i) regionOf[map.labels[i].value] = static_cast<std::uint32_t>(i);
   return measure(map.geometry, map.voxels, regionOf, map.labels.size(), image, progress);
 }
 

@@ -28,7 +28,7 @@ void MeasurementTools::addTo(registry::ToolRegistry &tools) {
   };
   static constexpr std::array<Text, 3> kTexts{
       {{"measure.landmark", "Landmark", "Click: place a landmark. Drag one: move it. Delete: remove it", 'L'},
-       {"measure.distance", "Distance", "Click two points, or drag from one to the other. Esc: cancel", 'D'},
+       {"measure.distance", "Distance", "Click two points, or drag from one to the other. Esc: cancel", 'U'},
        {"measure.angle", "Angle", "Click three points; the second is the vertex. Esc: cancel", 'A'}}};
   for (std::size_t i = 0; i < kTexts.size(); ++i) {
     tools_[i] = {this, static_cast<MeasureKind>(i)};

@@ -184,8 +184,9 @@ void SegmentationPanel::drawMask(const c3de_ui_v1 &ui) {
   if (!hasMask) return;
   if (const imaging::RegionStatistics &s = mask.statistics(); s.measured > 0) {
     const std::string &unit = mask.sources().image->volume.unit;
-    row(ui, "Values", fmt::format("{:.4g} ± {:.3g}{}, {} … {}", s.mean, s.sd, unit.empty() ? "" : " " + unit,
-                                  formatNumber(s.min), formatNumber(s.max)));
+    row(ui, "Values",
+        fmt::format("{:.4g} ± {:.3g}{}, {} … {}", s.mean, s.sd, unit.empty() ? "" : " " + unit, formatNumber(s.min),
+                    formatNumber(s.max)));
     tooltip(ui, "Mean ± standard deviation, least and largest value of the image in the mask");
   }
   swatch(ui, workflow_.colour());

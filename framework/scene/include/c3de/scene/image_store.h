@@ -18,7 +18,7 @@ struct StoredImage {
   imaging::Volume volume;
   imaging::ValueRange range;
   std::vector<std::uint64_t> histogram{};  ///< equal intervals from range.min to range.max; empty: not computed
-  std::size_t time = 0, times = 1;  ///< index and number of time points
+  std::size_t time = 0, times = 1;         ///< index and number of time points
 };
 
 struct StoredLabels {

@@ -79,7 +79,7 @@ class PointBasedPlugin : public SimulatorListener {
                                       .label = "Load",
                                       .hint = "Paint on the surface, or click a face, then set a support or a load in "
                                               "the panel; E removes, [ and ] change the radius, Esc clears",
-                                      .shortcut = 'B',
+                                      .shortcut = 'N',
                                       .inSlices = true}));
       }
       if (const sdk::Commands commands(host); commands)

@@ -83,7 +83,7 @@ void LoadPanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
 void LoadPanel::drawTool(sdk::Ui &ui, const Snapshot &snapshot) {
   auto mode = static_cast<std::uint32_t>(tool_.mode);
   if (ui.choice("load_mode", "Select with", mode, kModes)) tool_.mode = static_cast<LoadTool::Mode>(mode);
-  ui.tooltip("With the tool Load (B): press on the surface, or in a slice");
+  ui.tooltip("With the tool Load (N): press on the surface, or in a slice");
   (void)ui.checkbox("load_removing", "Remove from the selection", tool_.isRemoving);
   ui.tooltip("E switches it");
   if (tool_.mode == LoadTool::Mode::brush) {
