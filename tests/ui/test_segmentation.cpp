@@ -399,7 +399,7 @@ TEST_CASE("a mask is grown, painted, filled between slices, erased, undone and s
   window.key("Escape");
   C3DE_WAIT(window, "it stays", !s["values"].contains("quit/text"));
   window.click("segmentation/save_labels");
-  window.enterFile(outputFile("segmentation_brush_undone.nrrd"));
+  window.enterFile(freshFile("segmentation_brush_undone.nrrd"));
   C3DE_WAIT(window, "it is saved again", s["notifications"].dump().find("brush_undone") != std::string::npos);
   window.key("ctrl+q");
   CHECK(window.waitForExit() == 0);
