@@ -72,4 +72,13 @@ void pull(WorkstationDriver &window, const Point &from, const Point &to) {
   window.moveAlong(from, to, 8);
 }
 
+void playAndPull(WorkstationDriver &window) {
+  takePinch(window);
+  play(window);
+  pull(window, window.inView(0.5, 0.5), window.inView(0.65, 0.4));
+  const int pulled = window.state()["transport"]["steps"];
+  C3DE_WAIT(window, "the pull lasts", s["transport"]["steps"].get<int>() > pulled + 150);
+  window.release();
+}
+
 }  // namespace c3de::test

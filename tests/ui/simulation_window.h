@@ -30,5 +30,7 @@ void takePinch(WorkstationDriver &window);
 Json holdSurfel(WorkstationDriver &window, const Point &at);
 /// The button stays pressed.
 void pull(WorkstationDriver &window, const Point &from, const Point &to);
+/// Plays, pulls the middle of the view for at least 150 steps, and releases it.
+void playAndPull(WorkstationDriver &window);
 
 }  // namespace c3de::test

@@ -35,12 +35,7 @@ TEST_CASE("A report of a pulled organ is replayed in another folder, without the
   const fs::path file = freshFile("report.c3dr");
   WorkstationDriver window("report");
   startOrgan(window);
-  takePinch(window);
-  play(window);
-  pull(window, window.inView(0.5, 0.5), window.inView(0.65, 0.4));
-  const int pulled = window.state()["transport"]["steps"];
-  C3DE_WAIT(window, "the pull lasts", s["transport"]["steps"].get<int>() > pulled + 150);
-  window.release();
+  playAndPull(window);
   pause(window);
   saveReport(window, file);
   const fs::path elsewhere = outputFile("elsewhere");

@@ -48,12 +48,7 @@ void recordPull(WorkstationDriver &window, const fs::path &file, bool isStopped)
   window.clickMenu("simulation.start_recording");
   window.enterFile(file);
   C3DE_WAIT(window, "it records", textOf(s, "status/recording") == "Recording");
-  takePinch(window);
-  play(window);
-  pull(window, window.inView(0.5, 0.5), window.inView(0.65, 0.4));
-  const int pulled = window.state()["transport"]["steps"];
-  C3DE_WAIT(window, "the pull lasts", s["transport"]["steps"].get<int>() > pulled + 150);
-  window.release();
+  playAndPull(window);
   window.enterNumber(kPanel + "material.youngs_modulus", "9000");
   const int before = window.state()["transport"]["steps"];
   C3DE_WAIT(window, "it continues", s["transport"]["steps"].get<int>() > before + 250);

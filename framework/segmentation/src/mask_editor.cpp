@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "c3de/core/background_jobs.h"
-#include "c3de/imaging/masks.h"
 
 namespace c3de::segmentation {
 namespace {
@@ -40,7 +39,7 @@ void MaskEditor::setSources(MaskSources sources) {
 }
 
 double MaskEditor::volume_ml() const {
-  return shown_.mask ? static_cast<double>(shown_.voxels) * shown_.mask->geometry.voxelVolume() / 1000.0 : 0.0;
+  return shown_.mask ? static_cast<double>(voxels()) * shown_.mask->geometry.voxelVolume() / 1000.0 : 0.0;
 }
 
 std::vector<MaskStep> MaskEditor::steps() const {
@@ -89,13 +88,9 @@ void MaskEditor::submit(const std::string &title, std::function<Expected<imaging
         auto made = make(progress);
         if (!made) return tl::unexpected(made.error());
         const auto mask = std::make_shared<const imaging::Mask>(std::move(*made));
-        result->shown = {mask,
-                         std::make_shared<const MaskPreview>(previewOf(*mask, kMaxPreviewVoxels)),
-                         imaging::voxelCount(*mask),
-                         {}};
-        auto statistics = imaging::statisticsOf(*mask, image ? &image->volume : nullptr, progress);
+        const auto statistics = imaging::statisticsOf(*mask, image ? &image->volume : nullptr, progress);
         if (!statistics) return tl::unexpected(statistics.error());
-        result->shown.statistics = *statistics;
+        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMaxPreviewVoxels)), *statistics};
         if (!result->packed) result->packed = std::make_shared<const PackedMask>(*mask);
         return {};
       },

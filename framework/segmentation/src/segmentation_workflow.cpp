@@ -38,17 +38,11 @@ std::string modulusText(double pascal) {
 }  // namespace
 
 Expected<std::vector<double>> volumesOf(const imaging::LabelMap &map, const ProgressFn &progress) {
-  std::vector<std::size_t> counts(65536);
-  constexpr std::size_t kChunk = std::size_t{1} << 22;
-  for (std::size_t begin = 0; begin < map.voxels.size(); begin += kChunk) {
-    const std::size_t end = std::min(map.voxels.size(), begin + kChunk);
-    for (std::size_t v = begin; v < end; ++v) ++counts[map.voxels[v]];
-    if (progress && !progress(static_cast<double>(end) / static_cast<double>(map.voxels.size()), "counting voxels"))
-      return fail(ErrorCode::cancelled, "counting voxels was cancelled");
-  }
+  const auto counted = imaging::statisticsOfLabels(map, nullptr, progress);
+  if (!counted) return tl::unexpected(counted.error());
   std::vector<double> volumes;
-  for (const imaging::LabelMap::Label &label : map.labels)
-    volumes.push_back(static_cast<double>(counts[label.value]) * map.geometry.voxelVolume() / 1000.0);
+  for (const imaging::RegionStatistics &label : *counted)
+    volumes.push_back(static_cast<double>(label.voxels) * map.geometry.voxelVolume() / 1000.0);
   return volumes;
 }
 

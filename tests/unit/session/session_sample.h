@@ -50,8 +50,8 @@ inline session::SessionFile fullSession() {
   file.view.window = 350.0;
   file.view.level = -1.0 / 3.0;
   file.view.camera = {{1.0, 2.0, 3.0}, 0.6, -1.2, 512.25};
-  file.view.selection = {"masks/3.mask", {5, 65535}, "kidney left", -12.5, 300.0};
-  file.members["masks/3.mask"] = "voxels";
+  file.view.selection = {"selection.mask", {5, 65535}, "kidney left", -12.5, 300.0};
+  file.members["selection.mask"] = "voxels";
   file.stateHash = 0xfedcba9876543210ull;
   file.steps = 18446744073709551615ull;
   file.time_s = 0.1 + 0.2;

@@ -56,7 +56,7 @@ Expected<SessionFile> sessionWithView(const CapturedState &captured, const Shown
     if (!path) return tl::unexpected(path.error());
     saved->view.labels.push_back(std::move(*path));
   }
-  if (shown.mask && saved->view.selection) saved->view.selection->mask = addMask(*shown.mask, *saved);
+  if (shown.mask && saved->view.selection) addMaskOfSelection(*shown.mask, *saved);
   return saved;
 }
 

@@ -237,14 +237,19 @@ void WorkstationImages::applyRestored() {
   if (!toRestore_) return;
   isRestoring_ = true;
   workflow_.restore(*std::exchange(toRestore_, std::nullopt));
+  reportRestored();
+}
+
+/// At once where nothing is computed, for example for labels of a map that could not be read.
+void WorkstationImages::reportRestored() {
+  if (!isRestoring_ || workflow_.mask().isBusy()) return;
+  isRestoring_ = false;
+  events_.selectionRestored();
 }
 
 /// Preview of the selection, over the slices.
 void WorkstationImages::showPreview() {
-  if (isRestoring_ && !workflow_.mask().isBusy()) {
-    isRestoring_ = false;
-    events_.selectionRestored();
-  }
+  reportRestored();
   render::ImageRenderer *images = renderer_.images();
   views_.setPickedLabels(workflow_.isSeveral() ? workflow_.pickedLabels() : std::vector<std::uint16_t>());
   if (!images || preview_ == workflow_.mask().preview()) return;

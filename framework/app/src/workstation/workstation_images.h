@@ -103,6 +103,7 @@ class WorkstationImages {
   void updateScanBodySources();
   void showPreview();
   void applyRestored();
+  void reportRestored();
   void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
                     std::vector<imaging::SeriesInfo> series);

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char *kMasks = "masks/";
+constexpr const char *kMasks = "masks/", *kSelectionMask = "selection.mask";
 
 /// Two forms of one path compare equal.
 std::filesystem::path comparable(const std::filesystem::path &path) {
@@ -186,17 +186,13 @@ Expected<void> embedFile(const fs::path &file, const fs::path &folder, FileRefer
   return {};
 }
 
-std::string addMaskBytes(std::string bytes, SessionFile &saved) {
-  std::string name = fmt::format("{}{}.mask", kMasks, saved.members.size() + 1);
-  saved.members.emplace(name, std::move(bytes));
-  return name;
-}
-
 /// Adds a scene as text, its masks as members and its files.
 Expected<void> addScene(const scene::SceneFile &scene, const std::filesystem::path &folder, FileReferences &references,
                         const ProgressFn &progress, Embedding embedding, SessionFile &saved) {
   const auto nameOfMask = [&saved](const scene::SceneBody &body) {
-    return addMaskBytes(maskBytes(*body.volume.mask, body.volume.colour), saved);
+    const std::string name = fmt::format("{}{}.mask", kMasks, saved.members.size() + 1);
+    saved.members.emplace(name, maskBytes(*body.volume.mask, body.volume.colour));
+    return name;
   };
   scene::SceneFile named = scene;
   for (std::filesystem::path *file : filesOf(named)) {
@@ -272,8 +268,9 @@ Expected<void> restoreMask(const SessionFile &saved, const std::filesystem::path
 
 }  // namespace
 
-std::string addMask(const imaging::Mask &mask, SessionFile &saved) {
-  return addMaskBytes(maskBytes(mask, std::nullopt), saved);
+void addMaskOfSelection(const imaging::Mask &mask, SessionFile &saved) {
+  saved.view.selection->mask = kSelectionMask;
+  saved.members.insert_or_assign(kSelectionMask, maskBytes(mask, std::nullopt));
 }
 
 Expected<std::shared_ptr<const imaging::Mask>> maskOfSelection(const SessionFile &saved,
@@ -292,8 +289,9 @@ Expected<std::shared_ptr<const imaging::Mask>> maskOfSelection(const SessionFile
 }
 
 void keepUnknown(const SessionFile &opened, SessionFile &saved) {
+  const std::string selection = opened.view.selection ? opened.view.selection->mask : std::string();
   for (const auto &[name, bytes] : opened.members)
-    if (!name.starts_with(kMasks)) saved.members.emplace(name, bytes);
+    if (!name.starts_with(kMasks) && name != selection) saved.members.emplace(name, bytes);
   saved.unknown.insert(opened.unknown.begin(), opened.unknown.end());
 }
 
@@ -315,7 +313,7 @@ Expected<void> keepRest(const SessionFile &opened, const std::vector<FoundFile> 
   }
   if (saved.view.selection && !saved.view.selection->mask.empty())
     if (const auto mask = opened.members.find(saved.view.selection->mask); mask != opened.members.end())
-      saved.view.selection->mask = addMaskBytes(mask->second, saved);
+      saved.members.insert(*mask);
   return {};
 }
 

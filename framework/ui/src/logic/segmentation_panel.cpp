@@ -166,8 +166,8 @@ void SegmentationPanel::drawHistogram(const c3de_ui_v1 &ui, const scene::StoredI
     all += count;
     logarithms.push_back(std::log10(1.0 + count));
   }
-  const std::string label = "Voxels from " + formatNumber(image.range.min) + " to " + formatNumber(image.range.max) +
-                            (image.volume.unit.empty() ? "" : " " + image.volume.unit) + ", powers of ten";
+  const std::string label = "log10 of the number of voxels, " + formatNumber(image.range.min) + " … " +
+                            formatNumber(image.range.max) + (image.volume.unit.empty() ? "" : " " + image.volume.unit);
   ui.curve(ui.ctx, toAbi(std::string_view("histogram")), toAbi(label), toAbi(std::string_view()), logarithms.data(),
            logarithms.size());
   row(ui, "Between", fmt::format("about {:.3g} % of the voxels", all > 0.0 ? 100.0 * inside / all : 0.0));

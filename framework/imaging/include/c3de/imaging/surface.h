@@ -42,9 +42,9 @@ struct SurfaceSettings {
 [[nodiscard]] Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings = {},
                                                          const ProgressFn &progress = {});
 
-/// A coarse surface for display while a mask is edited, in time proportional to its bounding box. The mask is resampled to
-/// blocks of voxels; parts that fill no block to a half are left out. Closed, counter-clockwise seen from outside, LPS mm.
-/// Unlike surfaceOf(), it conserves no volume, and triangles may intersect.
+/// A coarse surface for display while a mask is edited, in time proportional to its bounding box. The mask is resampled
+/// to blocks of voxels; parts that fill no block to a half are left out. Closed, counter-clockwise seen from outside,
+/// LPS mm. Unlike surfaceOf(), it conserves no volume, and triangles may intersect.
 /// @param maxBlocks  > 0; of the bounding box of the mask
 /// Errors: an empty mask, or one that fills no block to a half, such as noise; cancelled. Any thread.
 /// @source Gibson, Constrained Elastic Surface Nets, MICCAI 1998

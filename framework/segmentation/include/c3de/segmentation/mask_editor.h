@@ -56,7 +56,7 @@ class MaskEditor {
   /// Null: no mask.
   [[nodiscard]] const std::shared_ptr<const imaging::Mask> &mask() const { return shown_.mask; }
   [[nodiscard]] const std::shared_ptr<const MaskPreview> &preview() const { return shown_.preview; }
-  [[nodiscard]] std::size_t voxels() const { return shown_.voxels; }
+  [[nodiscard]] std::size_t voxels() const { return shown_.statistics.voxels; }
   /// Of the image values inside the mask.
   [[nodiscard]] const imaging::RegionStatistics &statistics() const { return shown_.statistics; }
   [[nodiscard]] double volume_ml() const;
@@ -71,7 +71,6 @@ class MaskEditor {
   struct Shown {
     std::shared_ptr<const imaging::Mask> mask;
     std::shared_ptr<const MaskPreview> preview;
-    std::size_t voxels = 0;
     imaging::RegionStatistics statistics;
   };
   struct State {

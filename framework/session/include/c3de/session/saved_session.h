@@ -89,8 +89,8 @@ enum class Embedding {
                                             FileReferences &references, const ProgressFn &progress, Embedding embedding,
                                             SessionFile &saved);
 
-/// Adds a mask as a member and returns the name of that.
-[[nodiscard]] std::string addMask(const imaging::Mask &mask, SessionFile &saved);
+/// Adds the mask of SessionView::selection, which must exist, as a member.
+void addMaskOfSelection(const imaging::Mask &mask, SessionFile &saved);
 /// The mask of SessionView::selection; null: none. @param file  for messages. Errors (input): its member is missing or
 /// damaged.
 [[nodiscard]] Expected<std::shared_ptr<const imaging::Mask>> maskOfSelection(const SessionFile &saved,

@@ -11,8 +11,8 @@
 
 namespace pointbased {
 
-/// Part of the panel: supports and loads on parts of surfaces that the load tool selects. Each is listed with its value,
-/// its reaction or resultant, and can be changed, hidden and removed. Every change is an undo step. Main thread.
+/// Part of the panel: supports and loads on parts of surfaces that the load tool selects. Each is listed with its
+/// value, its reaction or resultant, and can be changed, hidden and removed. Every change is an undo step. Main thread.
 class LoadPanel {
  public:
   LoadPanel(const Services &services, LoadTool &tool) : services_(services), tool_(tool) {}
