@@ -98,6 +98,8 @@ void drive_panels(void);
 void drive_tools(void);
 void drive_history(void);
 void drive_history_after(void);
+void drive_history_capture(void);
+void drive_history_captured(void);
 void drive_jobs(void);
 void drive_time(void);
 void drive_simulation(c3de_handle node);

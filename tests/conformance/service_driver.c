@@ -105,6 +105,8 @@ static const struct {
     {"tools", drive_tools, NULL},
     {"history", drive_history, NULL},
     {"history after", drive_history_after, NULL},
+    {"history capture", drive_history_capture, NULL},
+    {"history captured", drive_history_captured, NULL},
     {"jobs", drive_jobs, NULL},
     {"time", drive_time, NULL},
     {"simulation", NULL, drive_simulation},

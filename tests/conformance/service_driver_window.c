@@ -141,6 +141,9 @@ static c3de_status C3DE_CALL do_again(void *self) {
 }
 static void C3DE_CALL release_edit(void *self) { *(int *)self += 100; }
 
+static int begun;
+static void C3DE_CALL begin(void *self, c3de_status status) { begun += status == C3DE_OK ? *(int *)self : 100; }
+
 void drive_history(void) {
   const c3de_history_v1 *history = service(C3DE_HISTORY_ID);
   static int calls, quiet;
@@ -151,6 +154,8 @@ void drive_history(void) {
   CHANGED(history, (E_ARG, add, &edit, &none), (edit.label, text(""), "label"), (edit.undo, NULL, ""),
           (edit.redo, NULL, ""), (edit.size, 8, ""));
   HOLDS(none.v == 0 && calls == 0);
+  /* This host has no simulation to capture. */
+  GIVES(history, (E_UNSUPPORTED, capture, &calls, begin), (E_STATE, add_captured, text("load")));
   GIVES(history, (E_STALE, remove, kNoSuch), (OK, remove, h));
   HOLDS(calls == 100);
   GIVES(history, (E_STALE, remove, h));
@@ -169,6 +174,22 @@ void drive_history_after(void) {
   c3de_edit edit = {sizeof edit, 1, TEXT("last"), &last, take_back, do_again, release_edit};
   c3de_handle h;
   GIVES(history, (OK, add, &edit, &h));
+}
+
+/* The test program begins what waits in between. */
+void drive_history_capture(void) {
+  const c3de_history_v1 *history = service(C3DE_HISTORY_ID);
+  static int one = 1, ten = 10;
+  begun = 0;
+  HOLDS(history->rev >= 2);
+  GIVES(history, (E_ARG, capture, &one, NULL), (OK, capture, &one, begin), (OK, capture, &ten, begin),
+        (E_STATE, add_captured, text("load")));
+  HOLDS(begun == 0);
+}
+void drive_history_captured(void) {
+  const c3de_history_v1 *history = service(C3DE_HISTORY_ID);
+  HOLDS(begun == 11);
+  GIVES(history, (E_ARG, add_captured, text("")), (OK, add_captured, text("load")), (E_STATE, add_captured, text("load")));
 }
 
 /* ---- files, settings, commands ---- */

@@ -158,6 +158,30 @@ TEST_CASE("the history service answers good and bad arguments, and its steps are
   f.host.reset();
   CHECK(f.edits.undoLabel() == "");  // an unloaded plugin removes its undo steps
 }
+
+TEST_CASE("the history service captures the simulation before a change and adds its step afterwards") {
+  struct Steps : registry::SimulationSteps {
+    void captureBefore(const std::function<void(std::uint64_t)> &begin) override { waiting.push_back(begin); }
+    bool addCaptured(std::uint64_t capture, const std::string &label) override {
+      added = std::to_string(capture) + " " + label;
+      return capture == waiting.size();
+    }
+    std::vector<std::function<void(std::uint64_t)>> waiting;
+    std::string added;
+  } steps;
+  DrivenHost f;
+  f.edits.setSimulationSteps(&steps);
+  CHECK(f.run("history capture") == "");
+  REQUIRE(steps.waiting.size() == 2);
+  steps.waiting[0](1);
+  steps.waiting[1](2);
+  steps.waiting[1](2);  // begun once only
+  CHECK(f.run("history captured") == "");
+  CHECK(steps.added == "2 load");
+  CHECK(f.run("history capture") == "");
+  f.host.reset();
+  steps.waiting[2](3);  // of a plugin that is unloaded: no call
+}
 TEST_CASE("a handle of one kind is refused where another is asked for, with both kinds") { check("kinds", 8); }
 TEST_CASE("the files service answers good and bad arguments") { check("files", 20); }
 TEST_CASE("the commands service answers good and bad arguments") {

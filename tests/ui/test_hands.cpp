@@ -234,6 +234,39 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   CHECK(again["notifications"].empty());
 }
 
+TEST_CASE("undo of an obstacle that restarts the simulation restores the state before it", "[hands_restart_undo]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("hands_restart_undo");
+  openHeldOrgan(window);
+  const fs::path file = outputFile("block.obj");
+  std::ofstream(file) << "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 2 2 0\nv 0 0 2\nv 2 0 2\nv 0 2 2\nv 2 2 2\n"
+                         "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"
+                         "f 2 4 8\nf 2 8 6\n";
+  play(window);
+  C3DE_WAIT(window, "it moves", s["transport"]["steps"] > 10);
+  pause(window);
+  const Json before = window.state();
+  window.click(kPanel + "obstacle_browse");
+  window.openFile(file);
+  C3DE_WAIT(window, "its unit is asked for", row(s, "Size") == "2.00 × 2.00 × 2.00 mm");
+  window.choose(kPanel + "obstacle_unit", "m");
+  window.waitForValue(kPanel + "Size", "2000 × 2000 × 2000 mm");
+  window.click(kPanel + "obstacle_add");
+  window.waitForValue(kPanel + "Tissue in the way", "organ");
+  window.click(kPanel + "obstacle_add");
+  const auto hasBlock = [](const Json &s) {
+    return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "block"; });
+  };
+  C3DE_WAIT(window, "it is added, and the simulation restarts", hasBlock(s) && s["transport"]["steps"] == 0);
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("ctrl+z");
+  C3DE_WAIT(window, "the state before it is restored",
+            !hasBlock(s) && s["transport"]["steps"] == before["transport"]["steps"] &&
+                row(s, "State hash") == row(before, "State hash"));
+  window.key("ctrl+y");
+  C3DE_WAIT(window, "it is added again", hasBlock(s) && s["transport"]["steps"] == 0);
+}
+
 TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step by step", "[hands_grasp]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_grasp");

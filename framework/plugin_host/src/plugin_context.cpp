@@ -118,6 +118,8 @@ void PluginContext::drainPending() {
   // While the plugin is still intact: afterwards its tool could no longer release what it holds.
   if (services().tools && tools.contains(services().tools->active().bits())) services().tools->activate({});
   if (services().edits) services().edits->removeOwnedBy(id_);
+  for (auto &[key, ready] : std::exchange(captures->waiting, {}))
+    callPlugin(*this, "ready of a capture", [&] { ready(C3DE_E_CANCELLED); });
   if (services().jobs) services().jobs->finishOwnedBy(id_);
   for (;;) {
     std::pair<void *, void(C3DE_CALL *)(void *)> next;
@@ -133,6 +135,7 @@ void PluginContext::drainPending() {
 
 void PluginContext::revokeAll() {
   closed_ = true;
+  captures->waiting.clear();
   const Services &s = services();
   if (s.jobs) s.jobs->finishOwnedBy(id_);
   if (s.mainQueue) s.mainQueue->removeOwnedBy(id_);

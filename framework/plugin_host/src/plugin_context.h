@@ -50,6 +50,13 @@ struct PostedFunctions {
   std::deque<std::pair<void *, void(C3DE_CALL *)(void *)>> waiting;
 };
 
+/// Captures of the simulation that a plugin has requested. Main thread.
+struct RequestedCaptures {
+  std::map<std::uint64_t, std::function<void(c3de_status)>> waiting;
+  std::uint64_t lastKey = 0;
+  std::uint64_t begun = 0;  ///< number of the capture whose ready was called last; 0: none, or its step was added
+};
+
 /// The host as seen by one plugin, and everything this plugin has registered, so that it can be revoked. Exists as long
 /// as the host, so that a late call is refused instead of crashing.
 class PluginContext {
@@ -101,6 +108,7 @@ class PluginContext {
   std::map<const EditCallback *, std::shared_ptr<EditCallback>> edits;
   std::map<std::uint64_t, std::shared_ptr<ListenerCallback>> parameterSets;
   std::shared_ptr<PostedFunctions> posted = std::make_shared<PostedFunctions>();
+  std::shared_ptr<RequestedCaptures> captures = std::make_shared<RequestedCaptures>();
 
  private:
   HostState &host_;

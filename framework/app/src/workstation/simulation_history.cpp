@@ -20,7 +20,10 @@ std::string actionText(const std::string &label, bool isUndo) { return (isUndo ?
 
 }  // namespace
 
-SimulationHistory::~SimulationHistory() { clear(); }
+SimulationHistory::~SimulationHistory() {
+  clear();
+  parts_.edits.setSimulationSteps(nullptr);
+}
 
 void SimulationHistory::clear() {
   queue_.clear();
@@ -36,16 +39,24 @@ void SimulationHistory::captureVersion(std::function<void(const Expected<SharedV
   });
 }
 
-void SimulationHistory::captureBefore(const std::function<void()> &act) {
+void SimulationHistory::captureBefore(const std::function<void(std::uint64_t capture)> &begin) {
   before_.reset();
   notCaptured_.clear();
-  captureVersion([this, act](const Expected<SharedVersion> &version) {
-    if (version)
-      before_ = *version;
-    else
-      notCaptured_ = version.error().message;
-    act();
+  captureVersion([this, begin, capture = ++captures_](const Expected<SharedVersion> &version) {
+    if (capture == captures_) {
+      if (version)
+        before_ = *version;
+      else
+        notCaptured_ = version.error().message;
+    }
+    begin(capture);
   });
+}
+
+bool SimulationHistory::addCaptured(std::uint64_t capture, const std::string &label) {
+  if (capture != captures_) return false;
+  add(label, false);
+  return true;
 }
 
 void SimulationHistory::add(const std::string &label, bool picksAgain) {

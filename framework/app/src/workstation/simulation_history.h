@@ -21,9 +21,9 @@
 
 namespace c3de::app {
 
-/// Undo steps for bodies created from an image. Undo builds the simulation again as it was before, with its state; redo
+/// Undo steps of changes that have no inverse, such as another body. Undo builds the simulation again as it was before, with its state; redo
 /// as it was when it was undone. Main thread. Must outlive the session's jobs and simulation.
-class SimulationHistory {
+class SimulationHistory : public registry::SimulationSteps {
  public:
   struct Parts {
     Session &session;
@@ -35,13 +35,13 @@ class SimulationHistory {
     std::function<void()> removeSimulation;
     ReportError failed;
   };
-  explicit SimulationHistory(Parts parts) : parts_(std::move(parts)) {}
-  ~SimulationHistory();
+  explicit SimulationHistory(Parts parts) : parts_(std::move(parts)) { parts_.edits.setSimulationSteps(this); }
+  ~SimulationHistory() override;
   SimulationHistory(const SimulationHistory &) = delete;
   SimulationHistory &operator=(const SimulationHistory &) = delete;
 
-  /// Captures the present simulation, then calls `act`.
-  void captureBefore(const std::function<void()> &act);
+  void captureBefore(const std::function<void(std::uint64_t capture)> &begin) override;
+  bool addCaptured(std::uint64_t capture, const std::string &label) override;
   /// What began with the last captureBefore() has succeeded. No effect if its capture failed.
   /// @param label       "create liver"
   /// @param picksAgain  undo picks the structure of the body again
@@ -91,6 +91,7 @@ class SimulationHistory {
   Parts parts_;
   std::map<std::uint64_t, std::unique_ptr<Step>> steps_;  ///< by number
   std::uint64_t lastNumber_ = 0;
+  std::uint64_t captures_ = 0;  ///< number of the last one
   SharedVersion before_;
   std::string notCaptured_;     ///< why there is no before_; empty: it is there, or nothing was captured
   std::deque<Exchange> queue_;  ///< the first one is in progress

@@ -193,11 +193,12 @@ void Workstation::createControllers() {
   events.createBodies = [this](std::vector<segmentation::BodyRequest> requests) {
     if (replay_->isReplaying()) return onFailed("The bodies were not created", {ErrorCode::state, ui::kReplayLocks});
     recording_->end("Bodies are added.");
-    history_->captureBefore([this, requests = std::move(requests)] { bodyCreation_->createBodies(requests); });
+    history_->captureBefore(
+        [this, requests = std::move(requests)](std::uint64_t) { bodyCreation_->createBodies(requests); });
   };
   events.createScanBody = [this](const std::string &scene) {
     if (replay_->isReplaying()) return onFailed("The body was not created", {ErrorCode::state, ui::kReplayLocks});
-    history_->captureBefore([this, scene] { bodyCreation_->createScanBody(scene); });
+    history_->captureBefore([this, scene](std::uint64_t) { bodyCreation_->createScanBody(scene); });
   };
   events.closeSimulation = [this] { closeSimulation(); };
   events.selectionRestored = [this] { sessions_->onSelectionRestored(); };

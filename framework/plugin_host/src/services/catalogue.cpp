@@ -47,7 +47,8 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_FILES_ID, &has<&Services::meshFormats>, "meshes", &member<&ServiceTables::files>, kFilesRevision},
     ServiceEntry{C3DE_SETTINGS_ID, &has<&Services::settings>, "settings", &member<&ServiceTables::settings>},
     ServiceEntry{C3DE_COMMANDS_ID, &has<&Services::commands>, "a window", &member<&ServiceTables::commands>},
-    ServiceEntry{C3DE_HISTORY_ID, &has<&Services::edits>, "a window", &member<&ServiceTables::history>},
+    ServiceEntry{C3DE_HISTORY_ID, &has<&Services::edits>, "a window", &member<&ServiceTables::history>,
+                 kHistoryRevision},
 };
 
 /// Services that were published as "draft/c3de.NAME/0" before they were frozen as "c3de.NAME/1", with the same layout:

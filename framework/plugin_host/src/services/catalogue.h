@@ -11,9 +11,10 @@ namespace c3de::plugin_host {
 
 /// Revision of services of this host that have not been extended.
 inline constexpr std::uint32_t kServiceRevision = 1;
-/// Revisions of extended services: legends; pairs of triangles; watching simulations; writers; the marked point.
+/// Revisions of extended services: legends; pairs of triangles; watching simulations; writers; the marked point;
+/// captured simulations.
 inline constexpr std::uint32_t kRenderRevision = 2, kCollisionRevision = 2, kSimulationRevision = 2, kFilesRevision = 2,
-                               kToolsRevision = 2;
+                               kToolsRevision = 2, kHistoryRevision = 2;
 
 struct ServiceTables;
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,20 @@ struct Edit {
   c3de_status(C3DE_CALL *redo)(void *self) = nullptr;
   void(C3DE_CALL *release)(void *self) = nullptr;
   std::chrono::steady_clock::time_point madeAt{};  ///< set by EditList::add()
+};
+
+/// Steps whose undo restores the whole simulation. Main thread.
+class SimulationSteps {
+ public:
+  SimulationSteps() = default;
+  SimulationSteps(const SimulationSteps &) = delete;
+  SimulationSteps &operator=(const SimulationSteps &) = delete;
+  virtual ~SimulationSteps() = default;
+  /// Stores the present simulation, then calls `begin` with the number of this capture, also if it could not be stored.
+  virtual void captureBefore(const std::function<void(std::uint64_t capture)> &begin) = 0;
+  /// What `begin` began has succeeded: adds a step, or reports why it cannot be undone.
+  /// @return false: another capture has been made since
+  virtual bool addCaptured(std::uint64_t capture, const std::string &label) = 0;
 };
 
 /// The undo and redo steps of plugins, in order. Main thread only.
@@ -56,6 +71,9 @@ class EditList {
   /// A step that fails is removed; the cause is logged.
   void undo();
   void redo();
+  /// Null where there are none, and before the window exists.
+  [[nodiscard]] SimulationSteps *simulationSteps() const { return simulationSteps_; }
+  void setSimulationSteps(SimulationSteps *steps) { simulationSteps_ = steps; }
 
   /// Bytes of the list itself: about 100 000 steps.
   static constexpr std::size_t kBudget = std::size_t{16} << 20;
@@ -71,6 +89,7 @@ class EditList {
   std::size_t done_ = 0;  ///< index in the order: earlier steps can be undone, the others redone
   std::uint64_t edits_ = 0;
   std::size_t bytes_ = 0;
+  SimulationSteps *simulationSteps_ = nullptr;
 };
 
 }  // namespace c3de::registry

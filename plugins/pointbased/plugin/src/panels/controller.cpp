@@ -188,10 +188,10 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
       if (ui.button("cancel", "Cancel")) (void)services_.jobs.cancel(*job_);
     }
   } else {
-    if (ui.button("load", "Load", !path_.empty())) load();
+    if (ui.button("load", "Load", !path_.empty() && !isCapturing_)) load();
     ui.tooltip("Reads the surface and fills it with phyxels as set below; what is there stays when that fails");
     ui.sameLine();
-    if (ui.button("rebuild", "Rebuild", body_ != 0)) rebuild();
+    if (ui.button("rebuild", "Rebuild", body_ != 0 && !isCapturing_)) rebuild();
     ui.tooltip("Fills the present body again with the sampling below");
   }
   if (snapshot && snapshot->bodies.size() > 1) chooseBody(ui, *snapshot);
@@ -220,14 +220,14 @@ void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) drawAccuracyStatement(ui, *body);
   verification_.draw(ui, *simulator_, snapshot, isMoving());
-  if (ui.button("finer", "Refine here", !job_ && body && !body->rigid)) makeFiner(*body);
+  if (ui.button("finer", "Refine here", !isBusy() && body && !body->rigid)) makeFiner(*body);
   ui.tooltip(
       "Resamples the body with the same number of phyxels: smaller cells where supports, loads and previous pulls "
       "cause most of the error; the simulation restarts");
   verification_.drawResult(ui, snapshot);
   ui.params(worldParameters_.handle(), "Accuracy");
   if (!snapshot) return;
-  if (ui.button("apply_wish", "Apply to all bodies", !job_ && !snapshot->bodies.empty()))
+  if (ui.button("apply_wish", "Apply to all bodies", !isBusy() && !snapshot->bodies.empty()))
     applyAccuracyTarget(*snapshot);
   ui.tooltip("Resamples every body to meet the accuracy target; the simulation restarts");
   if (body) drawAccuracyBars(ui, *body);
@@ -459,7 +459,10 @@ void Controller::load() {
   const std::uint32_t unit = kUnits[unit_];
   const std::uint64_t before = replace_ ? body_ : 0;
   const ParameterValues values = nextValues_;
-  auto run = [this, simulator, path, unit, before, values](sdk::Progress progress) -> sdk::Result<void> {
+  const std::filesystem::path file(path);
+  const Work work{"Loading " + file.filename().string(), "Load", "load " + file.stem().string()};
+  auto run = [this, simulator, path, unit, before, values,
+              hasChanged = work.hasChanged](sdk::Progress progress) -> sdk::Result<void> {
     auto mesh = services_.meshes.load(path, unit, progress.abi());
     if (!mesh) return mesh.failure();
     LoadBody change;
@@ -473,15 +476,29 @@ void Controller::load() {
         change.replaced = simulator->parts().queries.nameOfBody(before);
       }
     (void)simulator->parts().changes.make(std::move(change), progress);
+    *hasChanged = true;
     return {};
   };
-  const auto job = services_.jobs.submit("Loading " + std::filesystem::path(path).filename().string(), std::move(run),
-                                         [this](const sdk::Result<void> &result) { finish("Load", result); });
-  if (job) {
-    job_ = *job;
-  } else {
-    report("Load", job.failure().message);
-  }
+  start(work, std::move(run));
+}
+
+void Controller::start(const Work &work, std::function<sdk::Result<void>(sdk::Progress)> run) {
+  auto begin = [this, work, run = std::move(run), of = simulator_] {
+    isCapturing_ = false;
+    if (simulator_ != of) return;
+    const auto job =
+        services_.jobs.submit(work.job, run, [this, work](const sdk::Result<void> &result) { finish(work, result); });
+    if (job) {
+      job_ = *job;
+    } else {
+      report(work.title, job.failure().message);
+    }
+  };
+  if (!services_.history.canCapture()) return begin();
+  if (simulator_) simulator_->abandonLongStep();  // captured between two steps
+  const auto captured = services_.history.capture(begin);
+  isCapturing_ = captured.ok();
+  if (!captured) report(work.title, captured.failure().message);
 }
 
 void Controller::applyAccuracyTarget(const Snapshot &snapshot) {
@@ -492,42 +509,49 @@ void Controller::applyAccuracyTarget(const Snapshot &snapshot) {
     for (const char *id : {"sampling.spacing", "sampling.count"}) sdk::orThrow(values.set(sdk::textValue(id, "auto")));
     bodies.emplace_back(body.id, std::move(values));
   }
-  // The bodies share a budget target.
-  (void)simulator_->parts().changes.make(SetWorldParameters{
-      {ParameterEntry(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies.size())))}});
-  startRebuilding("Sampling the bodies for the accuracy target", std::move(bodies));
+  startRebuilding({"Sampling the bodies for the accuracy target", "Rebuild", "sample for the accuracy"},
+                  std::move(bodies), true);
 }
 
 void Controller::makeFiner(const BodySnapshot &body) {
   ParameterValues values = *body.values;
   sdk::orThrow(values.set(sdk::textValue("sampling.adaptive", "on")));
-  startRebuilding("Finding where the error arises", {{body.id, std::move(values)}});
+  startRebuilding({"Finding where the error arises", "Rebuild", "refine " + body.name}, {{body.id, std::move(values)}});
 }
 
-void Controller::rebuild() { startRebuilding("Filling the organ again", {{body_, nextValues_}}); }
+void Controller::rebuild() {
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
+  if (!body) return;
+  startRebuilding({"Filling the organ again", "Rebuild", "rebuild " + body->name}, {{body_, nextValues_}});
+}
 
-void Controller::startRebuilding(const std::string &title,
-                                 std::vector<std::pair<std::uint64_t, ParameterValues>> bodies) {
+void Controller::startRebuilding(const Work &work, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies,
+                                 bool sharesTarget) {
   const auto simulator = sdk::Ref<WorldSimulator>::share(simulator_);
-  auto run = [simulator, all = std::move(bodies)](sdk::Progress progress) -> sdk::Result<void> {
-    for (const auto &[body, values] : all)
-      (void)simulator->parts().changes.make(RebuildBody{simulator->parts().queries.nameOfBody(body), entriesOf(values)},
-                                            progress);
-    return {};
-  };
-  const auto job = services_.jobs.submit(title, std::move(run),
-                                         [this](const sdk::Result<void> &result) { finish("Rebuild", result); });
-  if (job) {
-    job_ = *job;
-  } else {
-    report("Rebuild", job.failure().message);
-  }
+  start(work,
+        [simulator, all = std::move(bodies), sharesTarget,
+         hasChanged = work.hasChanged](sdk::Progress progress) -> sdk::Result<void> {
+          Changes &changes = simulator->parts().changes;
+          if (sharesTarget)
+            (void)changes.make(SetWorldParameters{{ParameterEntry(
+                sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(all.size())))}});
+          for (const auto &[body, values] : all) {
+            (void)changes.make(RebuildBody{simulator->parts().queries.nameOfBody(body), entriesOf(values)}, progress);
+            *hasChanged = true;
+          }
+          return {};
+        });
 }
 
-void Controller::finish(const char *what, const sdk::Result<void> &result) {
+void Controller::finish(const Work &work, const sdk::Result<void> &result) {
   job_.reset();
+  // A job that was cancelled or failed may have changed the first of several bodies.
+  if (*work.hasChanged && services_.history.canCapture())
+    if (const auto added = services_.history.addCaptured(work.undoLabel); !added)
+      services_.log.warn("'" + work.undoLabel + "' cannot be undone: " + added.failure().message);
   if (!result) {
-    if (result.failure().status != C3DE_E_CANCELLED) report(what, result.failure().message);
+    if (result.failure().status != C3DE_E_CANCELLED) report(work.title, result.failure().message);
     return;
   }
   if (simulator_) {

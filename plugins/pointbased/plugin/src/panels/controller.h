@@ -56,8 +56,18 @@ class Controller : public sdk::Panel {
   void startTrials(const Snapshot &snapshot);
   /// Rebuilds every deformable body with its sampling chosen by the accuracy setting.
   void applyAccuracyTarget(const Snapshot &snapshot);
-  void startRebuilding(const std::string &title, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies);
-  void finish(const char *what, const sdk::Result<void> &result);
+  /// A job that changes bodies, and its step of Undo.
+  struct Work {
+    std::string job, title, undoLabel;
+    std::shared_ptr<std::atomic<bool>> hasChanged = std::make_shared<std::atomic<bool>>(false);  ///< set by the job
+  };
+  /// @param sharesTarget  the bodies share a budget target
+  void startRebuilding(const Work &work, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies,
+                       bool sharesTarget = false);
+  /// Captures the simulation for Undo, then runs the job.
+  void start(const Work &work, std::function<sdk::Result<void>(sdk::Progress)> run);
+  void finish(const Work &work, const sdk::Result<void> &result);
+  [[nodiscard]] bool isBusy() const { return job_ || isCapturing_; }
   void transport(std::uint32_t action);
   void followBody(const Snapshot *snapshot);
   void showBody(const BodySnapshot &body);
@@ -89,6 +99,7 @@ class Controller : public sdk::Panel {
   std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;
   std::optional<c3de_handle> job_;
+  bool isCapturing_ = false;  // a job begins when the simulation has been captured
   PinchSettings pinchSettings_;
   VerificationPanel verification_;
   ObstaclePanel obstacles_;

@@ -96,7 +96,8 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
     if (!isConfirmed && snapshot->steps > 0) one.overlapped = bodiesIn(one, *snapshot);
     if (isConfirmed || one.overlapped.empty()) add(*snapshot);
   }
-  ui.tooltip(isConfirmed ? "Can be undone" : "Can be undone. The state of the simulation is kept");
+  ui.tooltip(isConfirmed ? "Can be undone, with the present state of the simulation"
+                         : "Can be undone. The state of the simulation is kept");
   ui.sameLine();
   if (ui.button("obstacle_cancel", "Cancel")) candidate_.reset();
 }
@@ -180,17 +181,26 @@ void ObstaclePanel::add(const Snapshot &snapshot) {
         change->prepare(simulator->parts(), progress);
         return {};
       },
-      [this, change, name] {
-        const auto obstacle = std::make_shared<ObjectName>();
-        const auto posted = post(name, [change, obstacle](Changes &changes) {
-          const AddObstacle made = changes.make(std::move(*change));
-          *obstacle = made.added;
-          return made.hasReset;
+      [this, change, name, restarts = !candidate_->overlapped.empty()] {
+        if (!restarts || !services_.history.canCapture()) return insert(name, change, false);
+        simulator_->abandonLongStep();
+        const auto captured = services_.history.capture([this, change, name, serial = serial_] {
+          if (serial == serial_) insert(name, change, true);
         });
-        if (!posted) return fail(posted.failure().message);
-        keepStep("add ", name, obstacle, true);
-        candidate_.reset();
+        if (!captured) fail(captured.failure().message);
       });
+}
+
+void ObstaclePanel::insert(const std::string &name, const std::shared_ptr<AddObstacle> &change, bool isCaptured) {
+  const auto obstacle = std::make_shared<ObjectName>();
+  const auto posted = post(name, [change, obstacle](Changes &changes) {
+    const AddObstacle made = changes.make(std::move(*change));
+    *obstacle = made.added;
+    return made.hasReset;
+  });
+  if (!posted) return fail(posted.failure().message);
+  if (!isCaptured || !services_.history.addCaptured("add " + name)) keepStep("add ", name, obstacle, true);
+  candidate_.reset();
 }
 
 void ObstaclePanel::remove(const Snapshot &snapshot) {

@@ -45,6 +45,8 @@ class ObstaclePanel {
   void take(const std::string &name, sdk::MeshHandle mesh);
   void drawCandidate(sdk::Ui &ui, const Snapshot *snapshot);
   void add(const Snapshot &snapshot);
+  /// @param isCaptured  Undo restores the simulation as it was captured; otherwise it removes the obstacle
+  void insert(const std::string &name, const std::shared_ptr<AddObstacle> &change, bool isCaptured);
   void remove(const Snapshot &snapshot);
   void keepStep(const std::string &what, const std::string &name, const Obstacle &obstacle, bool isIn);
   /// Makes a change of an obstacle on the simulation's thread. @param change  returns whether the simulation was reset

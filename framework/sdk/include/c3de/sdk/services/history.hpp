@@ -27,6 +27,21 @@ class History : public Service<c3de_history_v1> {
     (void)box.release();
     return handle;
   }
+  /// Revision 2: what cannot be undone by itself can be a step of the host.
+  [[nodiscard]] bool canCapture() const noexcept { return table_ && table_->rev >= 2; }
+  /// Stores the present simulation, then calls `begin`, later; not if the plugin is stopped before.
+  Result<void> capture(std::function<void()> begin) const {
+    if (!canCapture()) return Failure{C3DE_E_UNSUPPORTED, "the host does not capture simulations for undo"};
+    auto box = std::make_unique<std::function<void()>>(std::move(begin));
+    auto done = call<&c3de_history_v1::capture>(static_cast<void *>(box.get()), &readyThunk);
+    if (done) (void)box.release();
+    return done;
+  }
+  /// What `begin` of the last capture began has succeeded: a step, for the menu as "Undo LABEL".
+  Result<void> addCaptured(std::string_view label) const {
+    if (!canCapture()) return Failure{C3DE_E_UNSUPPORTED, "the host does not capture simulations for undo"};
+    return call<&c3de_history_v1::add_captured>(str(label));
+  }
   /// Forgets a step; nothing when it is forgotten already.
   void remove(c3de_handle step) const { (void)call<&c3de_history_v1::remove>(step); }
 
@@ -39,6 +54,12 @@ class History : public Service<c3de_history_v1> {
   }
   static c3de_status C3DE_CALL redoThunk(void *self) noexcept {
     return guard([&] { return static_cast<Step *>(self)->redo(); });
+  }
+  static void C3DE_CALL readyThunk(void *self, c3de_status status) noexcept {
+    guardQuietly("begin of a change", [&] {
+      const std::unique_ptr<std::function<void()>> begin(static_cast<std::function<void()> *>(self));
+      if (status == C3DE_OK) (*begin)();
+    });
   }
   static void C3DE_CALL releaseThunk(void *self) noexcept {
     guardQuietly("release of a step", [&] { delete static_cast<Step *>(self); });
