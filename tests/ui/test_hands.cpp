@@ -234,6 +234,47 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   CHECK(again["notifications"].empty());
 }
 
+TEST_CASE("shapes of the program are placed on the skin, in the size that was asked for", "[hands_shapes]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("hands_shapes");
+  openHeldOrgan(window);
+  play(window);
+  rest(window, 0.3);
+  const auto hasNode = [](const Json &s, const std::string &name) {
+    return std::any_of(s["nodes"].begin(), s["nodes"].end(), [&](const Json &node) { return node["name"] == name; });
+  };
+  // A plate on the skin that is nearest to the pivot of the camera.
+  window.click(kPanel + "obstacle_new");
+  window.waitForValue(kPanel + "obstacle_place", "on the nearest surface");
+  window.enterNumber(kPanel + "obstacle_length", "60");
+  C3DE_WAIT(window, "its length is taken", number(s, "obstacle_length") == 60.0);
+  // In its own coordinates; the underside touches the skin.
+  CHECK_THAT(row(window.state(), "Size"), Catch::Matchers::StartsWith("60.0 ×"));
+  window.screenshot("plate");
+  const Json focus = window.state()["camera"]["focus"];
+  const std::string centre = row(window.state(), "Centre");
+  window.click(kPanel + "obstacle_add");
+  const Json added = C3DE_WAIT(window, "it is next to the plate of the scene", hasNode(s, "plate 2"));
+  CHECK(mode(added) == "playing");
+  CHECK(added["notifications"].empty());
+  window.screenshot("placed");
+
+  // A screw has the same place; a second plate has a name of its own.
+  window.choose(kPanel + "obstacle_shape", "sphere");
+  window.click(kPanel + "obstacle_new");
+  window.waitForValue(kPanel + "New obstacle", "sphere");
+  window.waitForValue(kPanel + "Size", "20.0 × 20.0 × 20.0 mm");
+  // Its centre is half a diameter above the skin.
+  CHECK(row(window.state(), "Centre") != centre);
+  window.click(kPanel + "obstacle_cancel");
+  window.choose(kPanel + "obstacle_shape", "plate");
+  window.click(kPanel + "obstacle_new");
+  window.waitForValue(kPanel + "New obstacle", "plate");
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("ctrl+z");
+  C3DE_WAIT(window, "the plate is removed by Undo", !hasNode(s, "plate 2"));
+}
+
 TEST_CASE("undo of an obstacle that restarts the simulation restores the state before it", "[hands_restart_undo]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_restart_undo");

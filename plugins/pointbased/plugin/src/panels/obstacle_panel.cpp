@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/number_text.h"
@@ -16,9 +18,11 @@ namespace {
 
 const std::array<std::string, 4> kUnitNames{"mm", "cm", "m", "inch"};
 constexpr std::array<double, 4> kUnits_mm{1.0, 10.0, 1000.0, 25.4};
-const std::array<std::string, 2> kPlaceNames{"at the cross-hair", "as in the file"};
+const std::array<std::string, 3> kPlaceNames{"at the cross-hair", "on the nearest surface", "as in the file"};
+enum Place : std::uint32_t { kAtCrossHair, kOnSurface };
 constexpr double kMillimetres = 1e3;
-constexpr double kInside = 0.5;  // winding number
+constexpr double kInside = 0.5;      // winding number
+constexpr double kClearance = 0.05;  // mm, between the skin and what is placed on it
 
 std::uint32_t unitIndexOf(std::uint32_t unit) { return unit == C3DE_UNIT_M ? 2u : unit == C3DE_UNIT_CM ? 1u : 0u; }
 
@@ -30,6 +34,61 @@ std::string sizeText(const Vec3 &extent_mm) {
 
 std::string placeText(const Vec3 &at_mm) {
   return fixed(at_mm[0], 1) + "  " + fixed(at_mm[1], 1) + "  " + fixed(at_mm[2], 1) + " mm";
+}
+
+/// A point of the present skin and its outward normal, m.
+struct SkinSite {
+  Vec3 at, normal;
+};
+
+/// The point of a triangle that is nearest to another point, clamped to the triangle.
+Vec3 nearestOf(const std::array<Vec3, 3> &corners, const Vec3 &point) {
+  const Vec3 u = corners[1] - corners[0], v = corners[2] - corners[0], w = point - corners[0];
+  Eigen::Matrix2d gram;
+  gram << u.dot(u), u.dot(v), u.dot(v), v.dot(v);
+  if (!(gram.determinant() > 0.0)) return corners[0];
+  Eigen::Vector2d weights = gram.inverse() * Eigen::Vector2d(u.dot(w), v.dot(w));
+  weights = weights.cwiseMax(0.0);
+  if (weights.sum() > 1.0) weights /= weights.sum();
+  return corners[0] + weights[0] * u + weights[1] * v;
+}
+
+/// The point nearest to `point` on triangles that share the nearest surfel; nothing without a body.
+std::optional<SkinSite> nearestSkin(const Snapshot &snapshot, const Vec3 &point) {
+  const BodySnapshot *body = nullptr;
+  std::size_t surfel = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const BodySnapshot &one : snapshot.bodies)
+    for (std::size_t i = 0; i < one.surfels.size(); ++i)
+      if (const double distance = (vectorOf(one.surfels[i]) - point).squaredNorm(); distance < nearest) {
+        nearest = distance;
+        body = &one;
+        surfel = i;
+      }
+  if (!body) return std::nullopt;
+  SkinSite site{vectorOf(body->surfels[surfel]), vectorOf(body->normals[surfel])};
+  for (const auto &triangle : body->surface->triangles) {
+    if (std::find(triangle.begin(), triangle.end(), surfel) == triangle.end()) continue;
+    const std::array<Vec3, 3> corners{vectorOf(body->surfels[triangle[0]]), vectorOf(body->surfels[triangle[1]]),
+                                      vectorOf(body->surfels[triangle[2]])};
+    const Vec3 at = nearestOf(corners, point);
+    if ((at - point).squaredNorm() < nearest) {
+      nearest = (at - point).squaredNorm();
+      site.at = at;
+    }
+  }
+  site.normal.normalize();
+  return site;
+}
+
+/// z along the normal, x as near to the world's x as it can be.
+Mat3 frameOf(const Vec3 &normal) {
+  const Vec3 along = std::abs(normal[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
+  Mat3 frame;
+  frame.col(2) = normal;
+  frame.col(0) = (along - along.dot(normal) * normal).normalized();
+  frame.col(1) = frame.col(2).cross(frame.col(0));
+  return frame;
 }
 
 }  // namespace
@@ -53,6 +112,11 @@ void ObstaclePanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
   });
   if (ui.fileButton("obstacle_browse", "Add from a file…", "obj;stl;ply;vtk", path_)) read();
   ui.tooltip("A closed surface that bodies cannot enter: an implant, a plate, a bone. You choose its unit next");
+  std::vector<std::string> shapes;
+  for (const ImplantShape &shape : implantShapes()) shapes.emplace_back(shape.name);
+  (void)ui.choice("obstacle_shape", "Shape", shape_, shapes);
+  ui.tooltip("Shapes of the program; you choose their size next");
+  if (ui.button("obstacle_new", "New " + shapes[shape_], snapshot && !job_)) takeShape(implantShapes()[shape_]);
   if (job_)
     if (const auto state = services_.jobs.progress(*job_)) {
       ui.progress(state->fraction, state->what);
@@ -67,8 +131,20 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
   Candidate &one = *candidate_;
   const Vec3 extent = one.max_mm - one.min_mm;
   ui.value("New obstacle", one.name);
-  if (ui.choice("obstacle_unit", "Unit of the file", one.unit, kUnitNames)) one.overlapped.clear();
-  ui.tooltip("What a length of 1 in the file means");
+  if (one.shape) {
+    bool isChanged = false;
+    for (std::size_t i = 0; i < one.sizes_mm.size(); ++i) {
+      const ImplantSize &size = one.shape->sizes[i];
+      isChanged |= (ui.slider("obstacle_" + std::string(size.id), size.label, "mm", one.sizes_mm[i], size.least_mm,
+                              size.most_mm) &
+                    C3DE_UI_CHANGED) != 0;
+      one.sizes_mm[i] = std::clamp(one.sizes_mm[i], size.least_mm, size.most_mm);
+    }
+    if (isChanged) makeShape(one);
+  } else {
+    if (ui.choice("obstacle_unit", "Unit of the file", one.unit, kUnitNames)) one.overlapped.clear();
+    ui.tooltip("What a length of 1 in the file means");
+  }
   ui.value("Size", sizeText(kUnits_mm[one.unit] / one.read_mm * extent));
   if (snapshot && !snapshot->bodies.empty()) {
     Vec3 low = snapshot->bodies.front().surface->min, high = snapshot->bodies.front().surface->max;
@@ -79,9 +155,13 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("The bodies", sizeText(kMillimetres * (high - low)));
     ui.tooltip("To compare the size with");
   }
-  if (ui.choice("obstacle_place", "Place", one.place, kPlaceNames)) one.overlapped.clear();
-  ui.tooltip("The cross-hair of the slices; without an image the point that the camera turns about");
-  const Placement placement = placementOf(one);
+  // A shape has no file with a position.
+  if (ui.choice("obstacle_place", "Place", one.place, std::span(kPlaceNames).first(one.shape ? 2 : 3)))
+    one.overlapped.clear();
+  ui.tooltip(
+      "The cross-hair of the slices; without an image the point that the camera turns about. On a surface, the "
+      "underside touches the skin nearest to it");
+  const Placement placement = placementOf(one, snapshot);
   const Vec3 middle = PlacementTransform(placement).metres(0.5 * (one.min_mm + one.max_mm));
   const std::string at = placeText(kMillimetres * middle);
   ui.value("Centre", at);
@@ -127,24 +207,76 @@ void ObstaclePanel::take(const std::string &name, sdk::MeshHandle mesh) {
   one.max_mm = Vec3(info->max_mm);
   one.unit = unitIndexOf(info->unit);
   one.read_mm = kUnits_mm[one.unit];
+  one.seat_mm = one.min_mm[2];
   candidate_ = std::move(one);
 }
 
-Placement ObstaclePanel::placementOf(const Candidate &candidate) const {
+void ObstaclePanel::takeShape(const ImplantShape &shape) {
+  Candidate one;
+  one.name = shape.name;
+  one.shape = &shape;
+  one.place = kOnSurface;
+  for (const ImplantSize &size : shape.sizes) one.sizes_mm.push_back(size.value_mm);
+  makeShape(one);
+  candidate_ = std::move(one);
+}
+
+void ObstaclePanel::makeShape(Candidate &candidate) {
+  ImplantSurface surface = candidate.shape->surface(candidate.sizes_mm);
+  candidate.min_mm = candidate.max_mm = surface.positions_mm.front();
+  for (const Vec3 &at : surface.positions_mm) {
+    candidate.min_mm = candidate.min_mm.cwiseMin(at);
+    candidate.max_mm = candidate.max_mm.cwiseMax(at);
+  }
+  candidate.seat_mm = surface.seat_mm;
+  candidate.mesh = std::make_shared<const sdk::MeshHandle>(
+      meshOf(services_, MeshData{std::move(surface.positions_mm), std::move(surface.triangles)}));
+  candidate.overlapped.clear();
+}
+
+double ObstaclePanel::liftOf(const Candidate &candidate, const Snapshot &snapshot, const PlacementTransform &transform,
+                             const Mat3 &rotation) {
+  const Vec3 extent = candidate.max_mm - candidate.min_mm;
+  const double highest = 0.5 * std::max(extent[0], extent[1]);  // above it is tissue that only hangs over
+  double lift = 0.0;
+  for (const BodySnapshot &body : snapshot.bodies)
+    for (std::size_t i = 0; i < body.surfels.size(); ++i) {
+      const Vec3 at = transform.millimetres(vectorOf(body.surfels[i]));
+      const bool isCovered = (at.array() > candidate.min_mm.array()).head<2>().all() &&
+                             (at.array() < candidate.max_mm.array()).head<2>().all();
+      const double height = at[2] - candidate.seat_mm;
+      if (!isCovered || height > highest || vectorOf(body.normals[i]).dot(rotation.col(2)) < 0.0) continue;
+      lift = std::max(lift,
+                      height - (candidate.shape ? candidate.shape->underside(at[0], at[1], candidate.sizes_mm) : 0.0));
+    }
+  return lift + kClearance * candidate.read_mm / kUnits_mm[candidate.unit];
+}
+
+Placement ObstaclePanel::placementOf(const Candidate &candidate, const Snapshot *snapshot) const {
   Placement placement;
   placement.scale = kUnits_mm[candidate.unit] / candidate.read_mm;
-  if (candidate.place != 0) return placement;
+  if (candidate.place > kOnSurface) return placement;
   const auto marked = sdk::markedPoint(services_.host);
   const auto matrix = services_.scene.worldFromNode(simulator_->node());
   if (!marked || !matrix) return placement;
   const Eigen::Matrix4d world = Eigen::Map<const Eigen::Matrix4d>(matrix->data());
   const Vec3 at = (world.inverse() * Vec3(marked->data()).homogeneous()).head<3>();
-  placement.position = at - PlacementTransform(placement).metres(0.5 * (candidate.min_mm + candidate.max_mm));
+  Vec3 seat_mm = 0.5 * (candidate.min_mm + candidate.max_mm);
+  const auto site = candidate.place == kOnSurface && snapshot ? nearestSkin(*snapshot, at) : std::nullopt;
+  if (site) {
+    placement.rotation = frameOf(site->normal);
+    seat_mm[2] = candidate.seat_mm;
+  }
+  const PlacementTransform turned(placement);
+  placement.position = (site ? site->at : at) - turned.metres(seat_mm);
+  if (!site || (candidate.shape && !candidate.shape->underside)) return placement;
+  const double lift = liftOf(candidate, *snapshot, PlacementTransform(placement), placement.rotation);
+  placement.position += turned.metres(Vec3(0.0, 0.0, lift));
   return placement;
 }
 
 std::string ObstaclePanel::bodiesIn(const Candidate &candidate, const Snapshot &snapshot) const {
-  const PlacementTransform transform(placementOf(candidate));
+  const PlacementTransform transform(placementOf(candidate, &snapshot));
   std::string names;
   for (const BodySnapshot &body : snapshot.bodies) {
     std::vector<Vec3> points;
@@ -163,7 +295,7 @@ std::string ObstaclePanel::bodiesIn(const Candidate &candidate, const Snapshot &
 }
 
 void ObstaclePanel::add(const Snapshot &snapshot) {
-  const Placement placement = placementOf(*candidate_);
+  const Placement placement = placementOf(*candidate_, &snapshot);
   std::string name = candidate_->name;
   const auto isTaken = [&](const std::string &wanted) {
     return std::any_of(snapshot.obstacles.begin(), snapshot.obstacles.end(),
