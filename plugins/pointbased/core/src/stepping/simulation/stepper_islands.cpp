@@ -91,6 +91,79 @@ Box reachOfIncrement(const Body &body) {
                       kIncrementFraction * (box.high - box.low).norm());
 }
 
+/// The bodies of a step, joined where they may touch or are attached: its connected components are the islands.
+class IslandGraph {
+ public:
+  struct Node {
+    std::size_t id;
+    BodyStepper *stepper;
+    bool idle;  ///< static, stopped or asleep: two of them are not joined
+    Box box;    ///< that it may reach within the step
+  };
+
+  void add(const Node &node, bool touchesItself) {
+    if (touchesItself) pairs_.emplace_back(nodes_.size(), nodes_.size());
+    nodes_.push_back(node);
+  }
+  /// Its bodies are joined; nodes that are not added yet are unknown.
+  void attach(AttachmentLayer &layer) {
+    attached_.push_back({&layer, numberOf(layer.settings().first), numberOf(layer.settings().second)});
+  }
+  /// Joins nodes of which the boxes overlap.
+  template <class CanTouch>
+  void joinOverlapping(const CanTouch &canTouch) {
+    for (std::size_t a = 0; a < nodes_.size(); ++a)
+      for (std::size_t b = a + 1; b < nodes_.size(); ++b)
+        if (!(nodes_[a].idle && nodes_[b].idle) && nodes_[a].box.overlaps(nodes_[b].box) &&
+            canTouch(nodes_[a].id, nodes_[b].id))
+          pairs_.emplace_back(a, b);
+  }
+  /// @param pairOf  the contact pair of two nodes
+  template <class PairOf>
+  void build(IslandSet &islands, const PairOf &pairOf) const {
+    DisjointSets sets(nodes_.size());
+    std::vector<std::uint8_t> joined(nodes_.size(), 0);
+    const auto join = [&](std::size_t a, std::size_t b) {
+      joined[a] = 1;
+      if (b == JoinedLayer::kNoBody) return;
+      joined[b] = 1;
+      sets.join(a, b);
+    };
+    for (const JoinedLayer &one : attached_) join(one.first, one.second);
+    for (const auto &[a, b] : pairs_) join(a, b);
+
+    constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> islandOfRoot(nodes_.size(), kNone), memberOf(nodes_.size());
+    const auto islandOf = [&](std::size_t k) -> Island & { return *islands.list[islandOfRoot[sets.find(k)]]; };
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      if (!joined[k]) continue;
+      std::size_t &number = islandOfRoot[sets.find(k)];
+      if (number == kNone) {
+        number = islands.count++;
+        if (islands.list.size() < islands.count) islands.list.push_back(std::make_unique<Island>());
+        islands.list[number]->clear();
+      }
+      memberOf[k] = islandOf(k).members().size();
+      islandOf(k).add(nodes_[k].id, *nodes_[k].stepper);
+      islands.members.insert(nodes_[k].id);
+    }
+    for (const JoinedLayer &one : attached_)
+      islandOf(one.first).attach({one.layer, memberOf[one.first],
+                                  one.second == JoinedLayer::kNoBody ? JoinedLayer::kNoBody : memberOf[one.second]});
+    for (const auto &[a, b] : pairs_) islandOf(a).join(pairOf(nodes_[a], nodes_[b]), memberOf[a], memberOf[b]);
+  }
+
+ private:
+  [[nodiscard]] std::size_t numberOf(std::size_t id) const {
+    const auto found = std::find_if(nodes_.begin(), nodes_.end(), [id](const Node &one) { return one.id == id; });
+    return found == nodes_.end() ? JoinedLayer::kNoBody : static_cast<std::size_t>(found - nodes_.begin());
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  ///< equal indices: contact with itself
+  std::vector<JoinedLayer> attached_;                       ///< bodies by index among the nodes
+};
+
 }  // namespace
 
 // A skin can touch itself only after phyxels have moved relative to each other by the clearance of its parts.
@@ -142,8 +215,9 @@ bool Stepper::mayTouchItself(std::size_t id, double dt) {
 }
 
 void Stepper::buildIslands(double dt) {
-  state_.islands.count = 0;
-  state_.islands.members.clear();
+  IslandSet &islands = state_.islands;
+  islands.count = 0;
+  islands.members.clear();
   for (auto &[id, stepper] : state_.bodies)
     if (!stepper->asleep()) stepper->setSharedIntegrator(std::nullopt);
   state_.skins.beginSums([this](std::size_t id) {
@@ -151,79 +225,31 @@ void Stepper::buildIslands(double dt) {
     return stepper.asleep() || stepper.stopped() || stepper.body().isStatic();
   });
   const bool isEnabled = state_.contact.settings.enabled && (state_.bodies.size() > 1 || state_.contact.settings.self);
-  state_.islands.touchThemselves.clear();
+  const bool hasPairs = isEnabled && state_.bodies.size() > 1;
+  islands.touchThemselves.clear();
   for (auto &[id, stepper] : state_.bodies)
-    if (isEnabled && mayTouchItself(id, dt)) state_.islands.touchThemselves.insert(id);
-  if (!(isEnabled && state_.bodies.size() > 1) && state_.islands.touchThemselves.empty() && state_.attachments.empty())
-    return;
-  struct Candidate {
-    std::size_t id;
-    BodyStepper *stepper;
-    bool idle;
-    Box box;
+    if (isEnabled && mayTouchItself(id, dt)) islands.touchThemselves.insert(id);
+  if (!hasPairs && islands.touchThemselves.empty() && state_.attachments.empty()) return;
+  const auto boxOf = [&](const Body &body) {
+    if (!hasPairs) return Box();
+    return state_.quasiStatic() ? reachOfIncrement(body) : reachOf(body, state_.settings.gravity, dt);
   };
-  std::vector<Candidate> candidates;
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  IslandGraph graph;
   for (auto &[id, stepper] : state_.bodies) {
     if (!SkinContacts::hasSkin(stepper->body())) continue;
     const bool isStatic = stepper->stopped() || stepper->body().isStatic();
-    if (state_.islands.touchThemselves.contains(id)) pairs.emplace_back(candidates.size(), candidates.size());
-    candidates.push_back({id, stepper.get(), isStatic || stepper->asleep(), {}});
-    if (!isEnabled || state_.bodies.size() < 2) continue;
-    candidates.back().box = state_.quasiStatic() ? reachOfIncrement(stepper->body())
-                                                 : reachOf(stepper->body(), state_.settings.gravity, dt);
+    graph.add({id, stepper.get(), isStatic || stepper->asleep(), boxOf(stepper->body())},
+              islands.touchThemselves.contains(id));
   }
-  DisjointSets sets(candidates.size());
-  std::vector<JoinedLayer> held;  // by indices of ones
-  const auto numberOfBody = [&](std::size_t id) {
-    const auto found =
-        std::find_if(candidates.begin(), candidates.end(), [id](const Candidate &one) { return one.id == id; });
-    return found == candidates.end() ? JoinedLayer::kNoBody : static_cast<std::size_t>(found - candidates.begin());
-  };
-  std::vector<std::uint8_t> joined(candidates.size(), 0);
-  for (const auto &[id, layer] : state_.attachments) {
-    held.push_back({layer.get(), numberOfBody(layer->settings().first), numberOfBody(layer->settings().second)});
-    joined[held.back().first] = 1;
-    if (held.back().second == JoinedLayer::kNoBody) continue;
-    joined[held.back().second] = 1;
-    sets.join(held.back().first, held.back().second);
-  }
-  for (std::size_t a = 0; isEnabled && a < candidates.size(); ++a)
-    for (std::size_t b = a + 1; b < candidates.size(); ++b) {
-      if ((candidates[a].idle && candidates[b].idle) || !candidates[a].box.overlaps(candidates[b].box) ||
-          !world_.canTouch(candidates[a].id, candidates[b].id))
-        continue;
-      pairs.emplace_back(a, b);
-      sets.join(a, b);
-    }
-  for (const auto &[a, b] : pairs) joined[a] = joined[b] = 1;
-  std::vector<std::size_t> islandOf(candidates.size(), std::numeric_limits<std::size_t>::max()),
-      numberOf(candidates.size());
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const std::size_t root = sets.find(k);
-    if (!joined[k]) continue;
-    std::size_t &island = islandOf[root];
-    if (island == std::numeric_limits<std::size_t>::max()) {
-      island = state_.islands.count++;
-      if (state_.islands.list.size() < state_.islands.count) state_.islands.list.push_back(std::make_unique<Island>());
-      state_.islands.list[island]->clear();
-    }
-    numberOf[k] = state_.islands.list[island]->members().size();
-    state_.islands.list[island]->add(candidates[k].id, *candidates[k].stepper);
-    state_.islands.members.insert(candidates[k].id);
-  }
-  for (const JoinedLayer &one : held)
-    state_.islands.list[islandOf[sets.find(one.first)]]->attach(
-        {one.layer, numberOf[one.first],
-         one.second == JoinedLayer::kNoBody ? JoinedLayer::kNoBody : numberOf[one.second]});
-  for (const auto &[a, b] : pairs) {
-    const ContactPairSettings both = state_.contactPair(candidates[a].id, candidates[b].id);
-    const auto owner = [&](std::size_t k) {
-      return SkinContacts::ownerOf(candidates[k].id, candidates[k].stepper->body(), state_.contact.pairs);
+  for (const auto &[id, layer] : state_.attachments) graph.attach(*layer);
+  if (hasPairs) graph.joinOverlapping([this](std::size_t a, std::size_t b) { return world_.canTouch(a, b); });
+  graph.build(islands, [this](const IslandGraph::Node &a, const IslandGraph::Node &b) -> SkinPair & {
+    const ContactPairSettings both = state_.contactPair(a.id, b.id);
+    const auto owner = [this](const IslandGraph::Node &one) {
+      return SkinContacts::ownerOf(one.id, one.stepper->body(), state_.contact.pairs);
     };
-    SkinPair &pair = state_.skins.pairOf(owner(a), owner(b), both.friction, both.fits);
-    state_.islands.list[islandOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);
-  }
+    return state_.skins.pairOf(owner(a), owner(b), both.friction, both.fits);
+  });
 }
 
 }  // namespace pointbased
