@@ -156,7 +156,7 @@ TEST_CASE("rows of a panel are searched by label, id and tooltip, and Esc ends i
   CHECK_FALSE(hasWidget(found, "pinch"));
   CHECK(found["tool"] == "orbit");
   CHECK(hasWidget(found, "view.face.simple"));
-  window.screenshotAtRest("found");
+  window.screenshot("found");  // the text cursor blinks
 
   window.key("Escape");
   C3DE_WAIT(window, "all rows are back", hasWidget(s, "solver.dt") && row(s, "rows.search").empty());
@@ -170,7 +170,7 @@ TEST_CASE("rows of a panel are searched by label, id and tooltip, and Esc ends i
   search(window, "xyzzy");
   C3DE_WAIT(window, "it says that there is none", row(s, "rows.found") == "No row matches 'xyzzy'.");
   CHECK_FALSE(hasWidget(window.state(), "solver.dt"));
-  window.screenshotAtRest("none");
+  window.screenshot("none");
   window.click(kPanel + "rows.clear");
   C3DE_WAIT(window, "all rows are there again", hasWidget(s, "solver.dt") && row(s, "rows.found").empty());
 
@@ -183,19 +183,33 @@ TEST_CASE("rows of a panel are searched by label, id and tooltip, and Esc ends i
   CHECK(row(window.state(), "material.poisson_ratio") == "0.31");
 }
 
-TEST_CASE("every panel of a plugin can be searched", "[panel_search_any]") {
+TEST_CASE("every panel of a plugin can be searched, and a short one shows the field only meanwhile",
+          "[panel_search_any]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("panel_search_any");
-  window.start({"--plugin", C3DE_GALLERY_PLUGIN});
-  C3DE_WAIT(window, "the gallery is shown", s["widgets"].contains("test.gallery/press"));
-  CHECK_FALSE(window.has("test.gallery/rows.search"));  // it has few rows
-  window.moveTo(window.locate("test.gallery/press"));
+  window.start({"--plugin", C3DE_GALLERY_PLUGIN, "--plugin", examplePlugin("hello")});
+  const std::string gallery = "test.gallery/", hello = "org.c3de.hello.panel/";
+  const auto found = [&](const Json &s, const std::string &panel) { return textOf(s, panel + "rows.found"); };
+  C3DE_WAIT(window, "both panels are shown",
+            s["widgets"].contains(gallery + "press") &&
+                (s["widgets"].contains(hello + "hello") || s["scrolled_out"].contains(hello + "hello")));
+  window.moveTo(window.locate(gallery + "press"));
   window.key("ctrl+f");
-  C3DE_WAIT(window, "its rows are searched", s["widgets"].contains("test.gallery/rows.search"));
+  C3DE_WAIT(window, "its rows are searched", s["widgets"].contains(gallery + "rows.search"));
   window.type("poisson");
   C3DE_WAIT(window, "one row is left",
-            s["values"].value("test.gallery/rows.found", "") == "1 row matches." &&
-                !s["widgets"].contains("test.gallery/press") && s["widgets"].contains("test.gallery/poisson"));
+            found(s, gallery) == "1 row matches." && !s["widgets"].contains(gallery + "press") &&
+                s["widgets"].contains(gallery + "poisson"));
   window.key("Escape");
-  C3DE_WAIT(window, "all are back", s["widgets"].contains("test.gallery/press"));
+  C3DE_WAIT(window, "all are back", s["widgets"].contains(gallery + "press"));
+
+  window.moveTo(window.locate(hello + "hello"));
+  CHECK_FALSE(window.has(hello + "rows.search"));
+  window.key("ctrl+f");
+  C3DE_WAIT(window, "the short panel has a field", s["widgets"].contains(hello + "rows.search"));
+  window.type("xyzzy");
+  C3DE_WAIT(window, "it says that there is none", found(s, hello) == "No row matches 'xyzzy'.");
+  window.key("Escape");
+  C3DE_WAIT(window, "the field is gone",
+            s["widgets"].contains(hello + "hello") && !s["widgets"].contains(hello + "rows.search"));
 }

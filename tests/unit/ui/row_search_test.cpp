@@ -15,11 +15,12 @@ struct Panel {
   RowSearch search;
   std::vector<std::string> drawn;
 
+  void accept(const std::string &what) {
+    if (const auto heading = search.takeHeading()) drawn.push_back("# " + *heading);
+    drawn.push_back(what);
+  }
   void row(const std::string &id, const std::string &label, const std::string &tooltip, Kind kind = Kind::widget) {
-    if (search.row(id, label + '\n' + id, kind)) {
-      if (const auto heading = search.takeHeading()) drawn.push_back("# " + *heading);
-      drawn.push_back(id);
-    }
+    if (search.row(id, label + '\n' + id, kind)) accept(id);
     search.tooltip(tooltip);
   }
   std::vector<std::string> draw(const std::string &words) {
@@ -32,7 +33,7 @@ struct Panel {
     row("material.density", "Density", "Mass per volume", Kind::parameter);
     search.heading("Solver");
     row("solver.dt", "Step", "Size of a step; of stiff tissue it is small", Kind::parameter);
-    if (search.follower("a bar without a name")) drawn.emplace_back("bar");
+    if (search.follower("a bar without a name")) accept("bar");
     search.end();
     return drawn;
   }

@@ -167,7 +167,8 @@ void Controller::drawActiveTools(sdk::Ui &ui, const Snapshot *snapshot) {
   if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot);
   if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot);
   if (tools_.move.isActive()) obstacles_.draw(ui, snapshot);
-  if (tools_.load.isActive()) loads_.draw(ui, snapshot);
+  // The simple face has them where the tool is activated.
+  if (tools_.load.isActive() && !face_.isSimple()) loads_.draw(ui, snapshot);
 }
 
 // Above the first heading: a search does not hide them.

@@ -9,10 +9,10 @@ PanelFace::PanelFace(sdk::Host host) : settings_(host) {
 
 void PanelFace::draw(sdk::Ui &ui) {
   // Ids of the view: a replay does not lock them.
-  if (ui.button("view.face.simple", "Simple", !isSimple_)) choose(true);
+  if (ui.button("view.face.simple", isSimple_ ? "● Simple" : "Simple", !isSimple_)) choose(true);
   ui.tooltip("What is needed first: tissue, stiffness, supports, gravity, accuracy");
   ui.sameLine();
-  if (ui.button("view.face.all", "All", isSimple_)) choose(false);
+  if (ui.button("view.face.all", isSimple_ ? "All" : "● All", isSimple_)) choose(false);
   ui.tooltip("Every value and setting. Ctrl+F searches them");
 }
 

@@ -43,7 +43,10 @@ void Controller::drawTissue(sdk::Ui &ui, const Snapshot &snapshot) {
 void Controller::drawSupports(sdk::Ui &ui, const Snapshot &snapshot) {
   ui.heading("What holds it");
   if (const BodySnapshot *body = snapshot.body(body_)) drawHolds(ui, snapshot, *body);
-  if (tools_.load.isActive()) return;  // its section lists them already
+  if (tools_.load.isActive()) {
+    loads_.draw(ui, &snapshot);
+    return;
+  }
   loads_.drawList(ui, snapshot);
   if (ui.button("hold", "Add a support or load…", !snapshot.bodies.empty()))
     (void)static_cast<InteractiveTool &>(tools_.load).select();
