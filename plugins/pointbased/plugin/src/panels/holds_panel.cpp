@@ -18,17 +18,14 @@ std::string listed(const std::vector<std::string> &names) {
   return out;
 }
 
-bool drawContactsOf(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &body) {
-  bool isTouched = false;
+void drawContactsOf(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &body) {
   for (const ContactSnapshot &contact : snapshot.contacts) {
     const ContactSummary &now = contact.summary;
     if (now.first == now.second || (now.first != body.id && now.second != body.id)) continue;
-    isTouched = true;
     ui.value("Touches " + (now.first == body.id ? contact.second : contact.first),
              significant(now.force.norm(), 3) + " N");
     ui.tooltip("Contact force between them, mean over the last step");
   }
-  return isTouched;
 }
 
 }  // namespace
@@ -57,14 +54,12 @@ void drawHolds(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &body) 
     ui.value("Attached to " + (one.first == body.name ? one.second : one.first), text);
     ui.tooltip("Force of the attachment '" + one.name + "'");
   }
-  const bool isTouched = drawContactsOf(ui, snapshot, body);
-  isHeld = isHeld || isTouched ||
+  drawContactsOf(ui, snapshot, body);
+  isHeld = isHeld ||
            std::any_of(snapshot.conditions.begin(), snapshot.conditions.end(),
                        [&](const ConditionSnapshot &one) { return one.body == body.id && one.condition.isSupport(); });
-  if (isHeld) return;
-  ui.text(snapshot.gravity.norm() > 0.0
-              ? "Nothing holds " + body.name + " now, so gravity accelerates it. Add a support where it is fixed."
-              : "Nothing holds " + body.name + " now, so a load accelerates it. Add a support where it is fixed.");
+  // Contacts come and go from step to step; this line does not.
+  if (!isHeld) ui.text("No support holds " + body.name + ", only what it touches. Add one where it is fixed.");
 }
 
 }  // namespace pointbased

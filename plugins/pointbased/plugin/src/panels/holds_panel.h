@@ -7,8 +7,8 @@
 
 namespace pointbased {
 
-/// Lists the supports of the scene, the surroundings, attachments and what the body touches; states it if there is
-/// none of them and no support that was set by hand.
+/// Lists the supports of the scene, the surroundings, attachments and what the body touches. A line states it if there
+/// is no support or attachment, those set by hand included.
 void drawHolds(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &body);
 
 }  // namespace pointbased
