@@ -70,7 +70,7 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   std::ofstream(file)
       << "# SPACE=LPS UNITS=m\nv 0 0 0\nv .2 0 0\nv .2 .1 0\nv 0 .1 0\nv 0 0 .1\nv .2 0 .1\nv .2 .1 .1\n"
          "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-  const auto isTwoLitres = [](const Json &s) { return s["jobs"].empty() && row(s, "Volume") == "2000 mL"; };
+  const auto isTwoLitres = [](const Json &s) { return s["jobs"].empty() && row(s, "Volume") == "2000 ml"; };
   {
     WorkstationDriver window("organ_unit");
     window.start({file.string()});
@@ -88,7 +88,7 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   CHECK(state["notifications"][0]["title"] == "Is the unit right?");
   CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as requested"));
   // The panel of the plugin leaves it to the file.
-  CHECK(row(state, "Volume") != "2000 mL");
+  CHECK(row(state, "Volume") != "2000 ml");
   asked.click(kPanel + "browse");
   asked.enterFile(file);
   C3DE_WAIT(asked, "the file is taken", row(s, "browse") == fs::weakly_canonical(file).string());

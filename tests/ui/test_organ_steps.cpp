@@ -179,7 +179,7 @@ TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes
   window.moveTo(window.inView(0.9, 0.1));
   play(window);
   for (const auto &[id, value] :
-       {std::pair("material.poisson_ratio", "0.499"), std::pair("material.youngs_modulus", "2e6")})
+       {std::pair("material.poisson_ratio", "0.499"), std::pair("material.youngs_modulus", "2e6 Pa")})
     window.enterNumber(kPanel + id, value);
   const Json edited = window.state();
   const int steps = edited["transport"]["steps"];

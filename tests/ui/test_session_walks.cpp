@@ -39,7 +39,9 @@ class Walk {
       case 1: drag("p"); break;
       case 2: drag("t"); break;
       case 3: drag("g"); break;
-      case 4: window_.enterNumber(kPanel + "material.youngs_modulus", std::to_string(4000 + 500 * choice(12))); break;
+      case 4:
+        window_.enterNumber(kPanel + "material.youngs_modulus", std::to_string(4000 + 500 * choice(12)) + " Pa");
+        break;
       case 5: window_.key("ctrl+z"); break;
       case 6: window_.key("ctrl+y"); break;
       case 7: window_.key("x"); break;  // removes instrument or jaws

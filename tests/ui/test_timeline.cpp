@@ -49,7 +49,7 @@ void recordPull(WorkstationDriver &window, const fs::path &file, bool isStopped)
   window.enterFile(file);
   C3DE_WAIT(window, "it records", textOf(s, "status/recording") == "Recording");
   playAndPull(window);
-  window.enterNumber(kPanel + "material.youngs_modulus", "9000");
+  window.enterNumber(kPanel + "material.youngs_modulus", "9000 Pa");
   const int before = window.state()["transport"]["steps"];
   C3DE_WAIT(window, "it continues", s["transport"]["steps"].get<int>() > before + 250);
   if (!isStopped) return;
@@ -154,13 +154,13 @@ TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment o
   // Forward beyond the change of a parameter, back before it, and forth again.
   scrub(window, 0.0, 0.95);
   CHECK(window.state()["tool"] == "orbit");
-  waitForModulus(window, "9000 Pa");
+  waitForModulus(window, "9 kPa");
   window.screenshot("late");
   scrub(window, 0.95, 0.1);
-  waitForModulus(window, "6000 Pa");
+  waitForModulus(window, "6 kPa");
   window.screenshot("early");
   const Json late = scrub(window, 0.1, 0.9);
-  waitForModulus(window, "9000 Pa");
+  waitForModulus(window, "9 kPa");
   CHECK(textOf(late, "timeline/warning").empty());
 
   // Its buttons.

@@ -93,10 +93,22 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
   return waitForExit();
 }
 
+/// As a user who has switched the panel of the simulation to All.
+void WorkstationDriver::chooseAllRows() {
+  const std::filesystem::path file = userConfigDirectory() / "settings" / "c3de.pointbased.json";
+  Json settings = Json::parse(readText(file), nullptr, false);
+  if (!settings.is_object()) settings = Json::object();
+  if (settings.contains("panel.face")) return;
+  settings["panel.face"] = "all";
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << settings.dump(2) << '\n';
+}
+
 void WorkstationDriver::launch(const std::vector<std::string> &command) {
   // Not that of the user who runs the tests.
   const std::string home = environmentVariable("C3DE_HOME");
   const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user").string() : home);
+  if (!isNewUser_) chooseAllRows();
   // Other tests end their programs while work is unsaved, or by a failure that is reported at the next start.
   std::error_code ignored;
   if (home.empty())

@@ -34,6 +34,9 @@ class WorkstationDriver {
   /// Why windows cannot be driven here; empty: they can.
   [[nodiscard]] static std::string whyNot();
 
+  /// The panel of the simulation has the face that a new user sees, or has chosen. Without this call it shows all rows
+  /// from the start. Before start().
+  void asNewUser() { isNewUser_ = true; }
   /// Starts the program and waits until its window is drawn.
   void start(const std::vector<std::string> &arguments);
   /// Starts it and waits for its end: for runs without a window.
@@ -118,9 +121,11 @@ class WorkstationDriver {
 
  private:
   void launch(const std::vector<std::string> &command);
+  static void chooseAllRows();
   void xdotool(const std::vector<std::string> &arguments);
 
   std::string name_;
+  bool isNewUser_ = false;
   std::filesystem::path folder_, stateFile_, log_;
   std::optional<ChildProcess> program_;
 };

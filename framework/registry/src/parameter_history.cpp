@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/registry/parameter_history.h"
 
+#include <utility>
+
 #include "c3de/registry/parameter_registry.h"
 
 namespace c3de::registry {
@@ -31,11 +33,26 @@ void ParameterHistory::record(Handle set, const std::string &label, const Parame
     bytes_ += bytesOf(entries_.back());
     return;
   }
-  entries_.push_back({set, label, before, after, std::chrono::steady_clock::now()});
+  append({set, label, before, after, std::chrono::steady_clock::now()});
+  isOpen_ = true;
+}
+
+void ParameterHistory::append(Entry entry) {
+  entries_.push_back(std::move(entry));
   bytes_ += bytesOf(entries_.back());
   done_ = entries_.size();
   while (bytes_ > kBudget && entries_.size() > 1) erase(0);
-  isOpen_ = true;
+}
+
+void ParameterHistory::record(Handle set, const std::string &label, const std::vector<Change> &changes) {
+  if (changes.empty()) return;
+  ++edits_;
+  forgetUndone();
+  const Time now = std::chrono::steady_clock::now();
+  bool joins = false;
+  for (const Change &change : changes)
+    append({set, label, change.before, change.after, now, std::exchange(joins, true)});
+  isOpen_ = false;
 }
 
 void ParameterHistory::forget(Handle set) {
@@ -46,10 +63,13 @@ void ParameterHistory::forget(Handle set) {
 
 void ParameterHistory::undo(ParameterRegistry &registry) {
   isOpen_ = false;
+  bool isAnyDone = false;
   while (done_ > 0) {
     const Entry entry = entries_[--done_];
-    if (registry.set(entry.set, entry.before, true)) return;
-    erase(done_);
+    const bool isDone = registry.set(entry.set, entry.before, true).has_value();
+    if (!isDone) erase(done_);
+    isAnyDone = isAnyDone || isDone;
+    if (isAnyDone && !entry.joinsPrevious) return;
   }
 }
 
@@ -57,11 +77,12 @@ void ParameterHistory::redo(ParameterRegistry &registry) {
   isOpen_ = false;
   while (done_ < entries_.size()) {
     const Entry entry = entries_[done_];
-    if (registry.set(entry.set, entry.after, true)) {
-      ++done_;
-      return;
+    if (!registry.set(entry.set, entry.after, true)) {
+      erase(done_);
+      continue;
     }
-    erase(done_);
+    ++done_;
+    if (!canRedo() || !entries_[done_].joinsPrevious) return;
   }
 }
 

@@ -71,4 +71,24 @@ Expected<void> ParameterRegistry::edit(Handle handle, const ParameterValue &valu
   return done;
 }
 
+Expected<void> ParameterRegistry::edit(Handle handle, const std::string &label,
+                                       const std::vector<ParameterValue> &values) {
+  const ParameterSet *set = sets_.find(handle);
+  if (!set) return fail(ErrorCode::state, "the parameter set of '" + label + "' does not exist any more");
+  std::vector<ParameterHistory::Change> changes;
+  for (const ParameterValue &value : values) {
+    const auto decl = findParameter(set->decls, value.id);
+    if (!decl) return tl::unexpected(decl.error());
+    if (auto checked = checkParameter(**decl, value); !checked) return checked;
+    const ParameterValue &before = set->values[static_cast<std::size_t>(*decl - set->decls.data())];
+    const bool isSame =
+        before.type == value.type && before.num == value.num && before.text == value.text && before.vec == value.vec;
+    if (!isSame) changes.push_back({before, value});
+  }
+  for (const ParameterHistory::Change &change : changes)
+    if (auto done = this->set(handle, change.after, true); !done) return done;
+  if (sets_.find(handle)) history_.record(handle, label, changes);
+  return {};
+}
+
 }  // namespace c3de::registry

@@ -16,6 +16,7 @@
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/settings_store.h"
 #include "c3de/registry/text_panel.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/render/renderer.h"
@@ -39,6 +40,7 @@ class Window {
     REQUIRE(geometry::writeMesh(folder_ / "cube.obj", session::test::boxMesh({-50, -50, -50}, {50, 50, 50})));
     REQUIRE(geometry::writeMesh(folder_ / "plate.obj", session::test::boxMesh({-150, -150, -80}, {150, 150, -60})));
     REQUIRE(geometry::writeMesh(folder_ / "implant.obj", session::test::boxMesh({-10, -10, -10}, {10, 10, 10})));
+    registry::keepSettingsInMemory();
     SessionOptions options;
     options.searchPlugins = false;
     options.pluginFiles = {fs::path(testPluginFolder()) / ("pointbased" + std::string(pluginExtension()))};

@@ -124,3 +124,37 @@ TEST_CASE("1000 changes are all undone and redone, and the oldest are removed by
   CHECK(history.bytes() <= ParameterHistory::kBudget);
   CHECK(f.stiffness() == 2.0);  // the value before the oldest change that is left
 }
+
+TEST_CASE("values that are edited together are one step, and none is set if one is refused") {
+  Fixture f;
+  const auto values = [](double stiffness, double density) {
+    ParameterValue first, second;
+    first.id = "stiffness";
+    first.num = stiffness;
+    second.id = "density";
+    second.num = density;
+    return std::vector<ParameterValue>{first, second};
+  };
+  f.edit("stiffness", 2.0);
+  REQUIRE(f.registry.edit(f.set, "Both", values(5.0, 7.0)));
+  CHECK(f.told == std::vector<double>{2.0, 5.0, 7.0});
+  f.edit("stiffness", 6.0);
+  ParameterHistory &history = f.registry.history();
+  CHECK_FALSE(f.registry.edit(f.set, "Refused", values(8.0, 1e9)));
+  CHECK(f.stiffness() == 6.0);
+  CHECK(history.undoLabel() == "stiffness");
+  history.undo(f.registry);
+  CHECK(history.undoLabel() == "Both");
+  history.undo(f.registry);
+  CHECK(f.stiffness() == 2.0);
+  CHECK(f.registry.find(f.set)->values[1].num == 1.0);
+  CHECK(history.redoLabel() == "Both");
+  history.redo(f.registry);
+  CHECK(f.stiffness() == 5.0);
+  CHECK(f.registry.find(f.set)->values[1].num == 7.0);
+  CHECK(history.redoLabel() == "stiffness");
+
+  // Equal values are no change.
+  REQUIRE(f.registry.edit(f.set, "Again", values(5.0, 7.0)));
+  CHECK(history.undoLabel() == "Both");
+}

@@ -101,6 +101,7 @@ struct WindowState {
   ReportDialog report;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
   AnchoredPanel sideRows;                 ///< of the side panel
+  bool isSearchWanted = false;            ///< the search field of a panel receives the keyboard
   std::vector<PixelRect> overlays;        ///< over the view, of the last frame: they receive the mouse
   std::optional<render::Camera> pose;     ///< of the camera after fitting
   int framesToFit = 0;                    ///< frames in which everything visible is fitted into the view

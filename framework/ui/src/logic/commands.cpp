@@ -56,6 +56,8 @@ constexpr CommandInfo kCommands[] = {
      C3DE_MOD_CTRL},
     {Command::redo, "edit.redo", "Redo", "Redo the change that was undone", needsNoReplay, 'Y', C3DE_MOD_CTRL, 'Z',
      C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+    {Command::searchPanel, "edit.search", "Search the panel", "Show the rows of the panel that contain words", 0, 'F',
+     C3DE_MOD_CTRL},
     {Command::fitView, "view.fit", "Fit view", "Fit everything visible into the view", 0, 'F'},
     {Command::resetView, "view.reset", "Reset view",
      "The view under the mouse as at the start: the middle slice, or all of the 3D view from the front; "

@@ -11,6 +11,7 @@
 #include "c3de/registry/number_text.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/plain_words.h"
+#include "logic/display_units.h"
 
 namespace c3de::ui {
 namespace {
@@ -95,7 +96,7 @@ std::uint32_t typedField(FieldState &state, const NumberSpec &spec, double &valu
   // Escape has restored the initial text, which changes nothing.
   state.isTyping = false;
   const std::string typed(registry::bufferText(state.buffer.data(), state.buffer.size()));
-  const auto number = registry::parseNumber(typed, spec.unit);
+  const auto number = numberInUnit(typed, spec.unit);
   if (!number) {
     state.error = typed + ": not a number; write for example 0.3 or 5e3";
     return 0;

@@ -47,8 +47,13 @@ void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
   thread_ = std::this_thread::get_id();
   area_ = panel.id;
   used_.clear();
-  isSameLine_ = false;
+  isSameLine_ = isRowBegun_ = false;
   ImGui::PushID(panel.id.c_str());
+  SearchedPanel &searched = searched_[panel.id];
+  searched.top = ImGui::GetCursorScreenPos().y;
+  drawSearchField(searched);
+  search_ = &searched.rows;
+  search_->begin();
   isLocked_ = frame.simulation.replay != nullptr;
   if (isLocked_) {
     ImGui::PushTextWrapPos(0.0f);
@@ -59,6 +64,11 @@ void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
   panel.onUi(panel.self, &table_);
   listEnd();
   ImGui::EndDisabled();
+  search_->end();
+  drawSearchResult(*search_);
+  searched.bottom = ImGui::GetCursorScreenPos().y;
+  searched.frame = frame.frame;
+  search_ = nullptr;
   ImGui::PopID();
   frame_ = nullptr;
 }
@@ -71,6 +81,27 @@ std::string ImGuiPanels::uniqueId(c3de_str id) {
   return unique;
 }
 
+bool ImGuiPanels::isDrawn(const std::string &key, const std::string &texts, RowSearch::Kind kind) {
+  if (isInList_) return true;
+  return follow(search_->row(key, texts, kind));
+}
+
+// A widget beside a hidden one begins a row itself.
+bool ImGuiPanels::follow(bool isShown) {
+  if (!search_->isActive()) return true;
+  if (!isSameLine_) isRowBegun_ = false;
+  if (!isShown) {
+    isSameLine_ = false;
+    return false;
+  }
+  isSameLine_ = isSameLine_ && isRowBegun_;
+  isRowBegun_ = true;
+  if (const auto heading = search_->takeHeading()) drawHeading(*heading);
+  return true;
+}
+
+bool ImGuiPanels::isOfTheView(const std::string &id) const { return isLocked_ && id.starts_with("view."); }
+
 bool ImGuiPanels::takeSameLine(const std::string &key) {
   const bool was = std::exchange(isSameLine_, false);
   if (was)
@@ -82,10 +113,14 @@ bool ImGuiPanels::takeSameLine(const std::string &key) {
 
 std::uint32_t ImGuiPanels::button(c3de_str id, c3de_str label, bool isEnabled) {
   const std::string unique = uniqueId(id);
+  if (!isDrawn(unique, text(label) + '\n' + unique)) return 0;
   takeSameLine(unique);
+  const bool isFree = isOfTheView(unique);
+  if (isFree) ImGui::EndDisabled();
   ImGui::BeginDisabled(!isEnabled);
   const bool isPressed = ImGui::Button((text(label) + "###" + unique).c_str());
   ImGui::EndDisabled();
+  if (isFree) ImGui::BeginDisabled(isLocked_);
   markItem(*frame_, area_, unique, isEnabled);
   return isPressed && isEnabled ? C3DE_UI_COMMITTED : 0;
 }
@@ -93,6 +128,7 @@ std::uint32_t ImGuiPanels::button(c3de_str id, c3de_str label, bool isEnabled) {
 std::uint32_t ImGuiPanels::checkbox(c3de_str id, c3de_str label, std::uint32_t *value) {
   if (!value) return 0;
   const std::string unique = uniqueId(id);
+  if (!isDrawn(unique, text(label) + '\n' + unique)) return 0;
   takeSameLine(unique);
   bool isChecked = *value != 0;
   const bool isChanged = ImGui::Checkbox((text(label) + "###" + unique).c_str(), &isChecked);
@@ -105,6 +141,7 @@ std::uint32_t ImGuiPanels::checkbox(c3de_str id, c3de_str label, std::uint32_t *
 std::uint32_t ImGuiPanels::slider(c3de_str id, c3de_str label, c3de_str unit, double *value, double lo, double hi) {
   if (!value) return 0;
   const std::string unique = uniqueId(id);
+  if (!isDrawn(unique, text(label) + '\n' + unique)) return 0;
   const bool isInline = takeSameLine(unique);
   FieldState &state = field(unique);
   NumberSpec spec;
@@ -128,6 +165,7 @@ std::uint32_t ImGuiPanels::choice(c3de_str id, c3de_str label, std::uint32_t *in
                                   std::uint64_t n) {
   if (!index) return 0;
   const std::string unique = uniqueId(id);
+  if (!isDrawn(unique, text(label) + '\n' + unique)) return 0;
   const bool isInline = takeSameLine(unique);
   std::vector<std::string> list;
   for (std::uint64_t i = 0; names && i < n; ++i) list.push_back(text(names[i]));
@@ -140,6 +178,7 @@ std::uint32_t ImGuiPanels::choice(c3de_str id, c3de_str label, std::uint32_t *in
 std::uint32_t ImGuiPanels::inputText(c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) {
   if (!buffer || capacity == 0) return 0;
   const std::string unique = uniqueId(id);
+  if (!isDrawn(unique, text(label) + '\n' + unique)) return 0;
   const bool isInline = takeSameLine(unique);
   buffer[capacity - 1] = '\0';
   beginRow(*frame_, text(label), nullptr, isInline, 0.0f);
@@ -157,8 +196,10 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
                                       std::uint64_t capacity) {
   if (!buffer || capacity == 0) return 0;
   const std::string unique = uniqueId(id);
-  takeSameLine(unique);
   FieldState &state = field(unique);
+  // A chosen file is delivered even if the search hides the row meanwhile.
+  if (!isDrawn(unique, text(label) + '\n' + unique) && !state.chosenFile) return 0;
+  takeSameLine(unique);
   std::uint32_t result = 0;
   if (state.chosenFile) {
     if (state.chosenFile->size() < capacity) {
@@ -200,6 +241,7 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
 void ImGuiPanels::listBegin(c3de_str id, std::uint32_t rows) {
   listEnd();
   isSameLine_ = false;
+  if (search_->isActive()) return;  // its rows are those of the panel
   const float height =
       static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMaxListRows)) * ImGui::GetFrameHeightWithSpacing();
   const std::string unique = uniqueId(id);
@@ -217,6 +259,7 @@ void ImGuiPanels::listEnd() {
 
 void ImGuiPanels::curve(c3de_str id, c3de_str label, c3de_str unit, std::span<const double> values) {
   const std::string unique = uniqueId(id);
+  if (!isDrawn(unique, text(label) + '\n' + unique)) return;
   takeSameLine(unique);
   double low = 0.0, high = 0.0;
   for (const double v : values) {
@@ -249,8 +292,30 @@ void ImGuiPanels::curve(c3de_str id, c3de_str label, c3de_str unit, std::span<co
   frame_->automation.value(area_, unique, values.empty() ? std::string() : significant(values.back()));
 }
 
+void ImGuiPanels::paragraph(c3de_str shown) {
+  const std::string words = plainText(shown);
+  // Texts have no id. Equal ones have equal matches, so that the text itself is the key.
+  if (!isDrawn({}, words)) return;
+  if (takeSameLine()) ImGui::AlignTextToFramePadding();
+  wrappedText(words);
+}
+
+void ImGuiPanels::tooltip(c3de_str shown) {
+  const std::string words = plainText(shown);
+  if (!isInList_) search_->tooltip(words);
+  if (isInList_ || search_->isShown()) itemTooltip(*frame_, words);
+}
+
 void ImGuiPanels::heading(c3de_str shown) {
   const std::string headingText = text(shown);
+  isSameLine_ = false;
+  search_->heading(headingText);
+  if (search_->isActive()) return;
+  (void)search_->takeHeading();
+  drawHeading(headingText);
+}
+
+void ImGuiPanels::drawHeading(const std::string &headingText) {
   isSameLine_ = false;
   takeSameLine("#" + headingText);
   ImGui::Dummy(ImVec2(0.0f, frame_->theme.px(2.0f)));
@@ -261,6 +326,8 @@ void ImGuiPanels::heading(c3de_str shown) {
 
 void ImGuiPanels::value(c3de_str name, c3de_str shown) {
   const std::string nameText = text(name), valueText = plainText(shown);
+  if (!isDrawn("=" + nameText, nameText)) return;
+  frame_->automation.value(area_, nameText, valueText);
   takeSameLine("=" + nameText);
   ImGui::BeginGroup();
   const float labelWidth = std::floor(0.42f * ImGui::GetContentRegionAvail().x);
@@ -268,12 +335,12 @@ void ImGuiPanels::value(c3de_str name, c3de_str shown) {
   ImGui::SameLine(labelWidth);
   wrappedText(valueText);
   ImGui::EndGroup();
-  frame_->automation.value(area_, nameText, valueText);
 }
 
 void ImGuiPanels::progress(double fraction, c3de_str shown) {
-  takeSameLine();
   const std::string label = text(shown);
+  if (!isInList_ && !follow(search_->follower(label))) return;
+  takeSameLine();
   const ImVec2 size(-1.0f, ImGui::GetFrameHeight());
   if (fraction >= 0.0) {
     ImGui::ProgressBar(static_cast<float>(std::min(fraction, 1.0)), size, label.c_str());
@@ -289,75 +356,6 @@ void ImGuiPanels::progress(double fraction, c3de_str shown) {
   frame_->automation.value(area_, "progress", label);
 }
 
-void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool isAdvanced) {
-  registry::ParameterRegistry &registry = *frame_->services.parameters;
-  if (!ImGui::IsAnyItemActive()) registry.history().endGesture();
-  const registry::ParameterSet *set = registry.find(handle);
-  if (!set) return;
-  // A copy, because a listener may change or remove the set.
-  const std::vector<ParameterDecl> decls = set->decls;
-  std::string heading;
-  for (std::size_t i = 0; i < decls.size(); ++i) {
-    const ParameterDecl &decl = decls[i];
-    if ((!group.empty() && decl.group != group) || ((decl.flags & C3DE_PARAM_ADVANCED) != 0) != isAdvanced) continue;
-    if (group.empty() && !decl.group.empty() && decl.group != heading) {
-      heading = decl.group;
-      ImGui::PushFont(frame_->theme.bold);
-      ImGui::TextColored(colour::kDim, "%s", heading.c_str());
-      ImGui::PopFont();
-    }
-    set = registry.find(handle);
-    if (!set || set->values.size() != decls.size() || set->decls[i].id != decl.id) return;
-    FieldState &state = field(decl.id);
-    used_.insert(decl.id);
-    const ParameterValue value = set->values[i];
-    takeSameLine(decl.id);
-    // How the simulation is shown is no part of it. Within a disabled block nothing can be enabled.
-    const bool isOfTheView = isLocked_ && decl.id.starts_with("view.");
-    if (isOfTheView) ImGui::EndDisabled();
-    const auto changed = parameterField(*frame_, area_, state, decl, value, false);
-    if (isOfTheView) ImGui::BeginDisabled(isLocked_);
-    if (!changed) continue;
-    auto done = registry.edit(handle, *changed);
-    state.error = done ? std::string() : done.error().message;
-  }
-}
-
-void ImGuiPanels::params(c3de_handle set, c3de_str group) {
-  isSameLine_ = false;
-  const Handle handle = Handle::fromBits(set.v);
-  const registry::ParameterSet *found =
-      frame_->services.parameters ? frame_->services.parameters->find(handle) : nullptr;
-  if (!found) return;
-  const std::string wanted = text(group);
-  bool hasAdvanced = false, needsRebuild = false;
-  for (const ParameterDecl &decl : found->decls) {
-    if (!wanted.empty() && decl.group != wanted) continue;
-    hasAdvanced = hasAdvanced || (decl.flags & C3DE_PARAM_ADVANCED);
-    needsRebuild = needsRebuild || (decl.flags & C3DE_PARAM_NEEDS_RESET);
-  }
-
-  ImGui::PushID(static_cast<int>(handle.index));
-  parameterRows(handle, wanted, false);
-  if (hasAdvanced) {
-    takeSameLine("advanced." + wanted);
-    const bool isOpen = ImGui::TreeNodeEx(("Advanced###advanced" + wanted).c_str(), ImGuiTreeNodeFlags_SpanAvailWidth);
-    markItem(*frame_, area_, wanted.empty() ? "advanced" : "advanced." + wanted);
-    if (isOpen) {
-      parameterRows(handle, wanted, true);
-      ImGui::TreePop();
-    }
-  }
-  if (needsRebuild) {
-    ImGui::PushFont(frame_->theme.small);
-    ImGui::TextColored(colour::kWarn, "%s", frame_->theme.hasGlyph(0x21BB) ? "↻" : "*");
-    ImGui::SameLine(0.0f, frame_->theme.px(4.0f));
-    ImGui::TextColored(colour::kDim, "applies on rebuild");
-    ImGui::PopFont();
-  }
-  ImGui::PopID();
-}
-
 void ImGuiPanels::fillTable() {
   c3de_ui_v1 &t = table_;
   t.size = sizeof t;
@@ -367,14 +365,12 @@ void ImGuiPanels::fillTable() {
     if (of(c).isUsable()) of(c).heading(s);
   };
   t.text = [](void *c, c3de_str s) noexcept {
-    if (!of(c).isUsable() || fromAbi(s).empty()) return;
-    if (of(c).takeSameLine()) ImGui::AlignTextToFramePadding();
-    wrappedText(of(c).plainText(s));
+    if (of(c).isUsable() && !fromAbi(s).empty()) of(c).paragraph(s);
   };
   t.separator = [](void *c) noexcept {
     if (!of(c).isUsable()) return;
     of(c).isSameLine_ = false;
-    ImGui::Separator();
+    if (!of(c).search_->isActive()) ImGui::Separator();
   };
   t.same_line = [](void *c) noexcept {
     if (of(c).isUsable()) of(c).isSameLine_ = true;
@@ -400,7 +396,7 @@ void ImGuiPanels::fillTable() {
     if (of(c).isUsable()) of(c).value(name, v);
   };
   t.tooltip = [](void *c, c3de_str s) noexcept {
-    if (of(c).isUsable()) itemTooltip(*of(c).frame_, of(c).plainText(s));
+    if (of(c).isUsable()) of(c).tooltip(s);
   };
   t.params = [](void *c, c3de_handle set, c3de_str group) noexcept {
     if (of(c).isUsable()) of(c).params(set, group);
@@ -410,7 +406,7 @@ void ImGuiPanels::fillTable() {
     return of(c).isUsable() ? of(c).fileButton(id, label, extensions, buffer, capacity) : 0u;
   };
   t.swatch = [](void *c, float red, float green, float blue) noexcept {
-    if (!of(c).isUsable()) return;
+    if (!of(c).isUsable() || (of(c).search_->isActive() && !of(c).isInList_)) return;
     of(c).takeSameLine();
     swatch({red, green, blue});
   };

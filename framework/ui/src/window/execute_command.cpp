@@ -258,6 +258,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::cutAxial: images->cycleCut(Pane::axial); break;
     case Command::cutSagittal: images->cycleCut(Pane::sagittal); break;
     case Command::cutCoronal: images->cycleCut(Pane::coronal); break;
+    case Command::searchPanel: frame.state.isSearchWanted = true; break;
     case Command::resetLayout: resetLayout(frame); break;
     case Command::playPause:
       transport(frame,

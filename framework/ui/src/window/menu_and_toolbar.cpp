@@ -81,6 +81,8 @@ bool beginMenu(FrameContext &frame, const char *label, const char *id) {
 void editMenu(FrameContext &frame) {
   editItem(frame, Command::undo);
   editItem(frame, Command::redo);
+  ImGui::Separator();
+  commandItem(frame, commandInfo(Command::searchPanel));
 }
 
 void simulationMenu(FrameContext &frame) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "c3de/registry/panel_registry.h"
 #include "c3de/scene/scene_graph.h"
@@ -87,6 +88,7 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
     ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
     if (section(frame, "measurements", "Measurements", false)) drawMeasurements(frame, *measurements);
   }
+  if (std::exchange(frame.state.isSearchWanted, false)) (void)panels.beginSearch(frame);
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.
     for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <vector>
 
 #include "c3de/core/handle.h"
 #include "c3de/core/parameter.h"
@@ -21,6 +22,11 @@ class ParameterHistory {
   static constexpr std::size_t kBudget = std::size_t{16} << 20;  ///< bytes: about 40 000 changes
   /// Records a change by the user; further changes of the same parameter join the entry until endGesture().
   void record(Handle set, const std::string &label, const ParameterValue &before, const ParameterValue &after);
+  /// Records several changes as one entry: they are undone and redone together.
+  struct Change {
+    ParameterValue before, after;
+  };
+  void record(Handle set, const std::string &label, const std::vector<Change> &changes);
   /// The user has released the widget.
   void endGesture() { isOpen_ = false; }
   /// The owner now shows other values, for example those of another body, so earlier changes do not apply to them.
@@ -53,9 +59,11 @@ class ParameterHistory {
     std::string label;
     ParameterValue before, after;
     Time madeAt;
+    bool joinsPrevious = false;  ///< undone and redone together with the entry before
   };
   [[nodiscard]] static std::size_t bytesOf(const Entry &entry);
   void erase(std::size_t index);
+  void append(Entry entry);
   std::deque<Entry> entries_;
   std::size_t bytes_ = 0;
   std::size_t done_ = 0;  // entries before this index can be undone, the others redone

@@ -38,6 +38,9 @@ class ParameterRegistry {
   [[nodiscard]] Expected<void> set(Handle set, const ParameterValue &value, bool notifyListener);
   /// Same as set() with notification, recorded for undo.
   [[nodiscard]] Expected<void> edit(Handle set, const ParameterValue &value);
+  /// Same for several values, which are undone together. If one of them is refused, none is set. Values that the set
+  /// already has are not set again.
+  [[nodiscard]] Expected<void> edit(Handle set, const std::string &label, const std::vector<ParameterValue> &values);
   [[nodiscard]] ParameterHistory &history() { return history_; }
   [[nodiscard]] const ParameterHistory &history() const { return history_; }
 

@@ -35,6 +35,7 @@ enum class Command {
   quit,
   undo,
   redo,
+  searchPanel,
   fitView,
   resetView,
   viewFront,

@@ -33,7 +33,7 @@ constexpr double kRetardationTime = 0.02;  // s: soft tissue of 3 kPa and 60 Pa 
 constexpr double kFar = 1e6;               // m; beyond it, doubles no longer resolve a micrometre next to a body
 
 constexpr std::array kWorld{
-    vec3Param({"world.gravity", "Gravity", "m/s²", "Acceleration of everything; zero: floating", "World"},
+    vec3Param({"world.gravity", "Gravity", "m/s²", "Acceleration of everything; zero: floating", "Gravity"},
               {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
     vec3Param(
         {"world.scan_gravity", "Gravity of the scan", "m/s²",
@@ -116,7 +116,10 @@ constexpr std::array kWorld{
                "from now on are sampled for it. auto: 5 % where that is affordable",
                "Accuracy"},
               {0.01, 100.0, 0.5, 20.0}, C3DE_PARAM_LOG_SCALE),
-    autoParam({C3DE_PARAM_ID_ERROR_MM, "Error at most, in mm", "mm", "The same in mm", "Accuracy"},
+    autoParam({C3DE_PARAM_ID_ERROR_MM, "Error at most, in mm", "mm",
+               "Largest error of the skin at rest; bodies that are built from now on are sampled for it. auto: as the "
+               "other targets",
+               "Error in mm"},
               {1e-6, 1e4, 0.01, 10.0}, C3DE_PARAM_LOG_SCALE),
     autoParam({C3DE_PARAM_ID_BUDGET_MS, "Budget", "ms",
                "What 1/60 s of simulated time may take to compute, all bodies together: as accurate as that allows",
@@ -140,7 +143,7 @@ constexpr std::array kWorld{
          "which others press on the skin, kPa. error: how far off "
          "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %. "
          "verified: error of the displacement after Verify, mm; plain once the state moves on",
-         "View"},
+         "Colour"},
         kColourings, "material"),
     autoParam(
         {"view.range", "Colour range", "",
@@ -171,7 +174,7 @@ constexpr std::array kBody{
          "Material"},
         kLaws, "neo_hookean"),
     numberParam({"material.youngs_modulus", "Young's modulus", "Pa",
-                 "Stiffness; the stable step shrinks with its root. Liver about 6 kPa", "Material"},
+                 "Stiffness; the stable step shrinks with its root. Liver about 6 kPa", "Stiffness"},
                 {0.0, 1e12, 100.0, 1e6}, 6000.0, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
     autoParam(
         {C3DE_PARAM_ID_YOUNGS_MODULUS_LOW, "Young's modulus, at least", "Pa",
@@ -216,8 +219,7 @@ constexpr std::array kBody{
                 {0.0, 1e9, 0.01, 100.0}, 10.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE | C3DE_PARAM_TOGETHER),
     numberParam({"surroundings.stiffness", "Held by surroundings", "Pa/m",
                  "Elastic foundation: surrounding tissue pulls every surface point to its reference position, stress "
-                 "per displacement. 0: none"
-                 "stress per way; 0: nothing holds it. 3e4: an organ sinks some millimetres under its own weight",
+                 "per displacement. 0: none. 3e4: an organ sinks some millimetres under its own weight",
                  "Surroundings"},
                 {0.0, 1e12, 0.0, 1e6}, 0.0),
     autoParam({"surroundings.tangential", "Along the surface", "Pa/m", "The same across the normal; auto: as much",

@@ -93,4 +93,20 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   tissueBar(ui, body);
 }
 
+void drawOtherTarget(sdk::Ui &ui, const ParameterValues &world) {
+  const AccuracyTarget target = accuracyTargetOf(world);
+  if (target.kind == AccuracyTarget::Kind::share)
+    ui.value("Accuracy target", "error at most " + twoDigits(100.0 * target.value) + " % of the largest displacement");
+  else if (target.kind == AccuracyTarget::Kind::budget)
+    ui.value("Accuracy target", "as accurate as " + twoDigits(1e3 * target.value) + " ms per frame allow");
+  else
+    return;
+  ui.tooltip("A value in mm replaces it");
+}
+
+void drawUnmetTarget(sdk::Ui &ui, const BodySnapshot &body) {
+  if (!body.rigid && body.promise && body.promise->survey && !body.promise->choice.unmet.empty())
+    ui.text(body.promise->choice.unmet);
+}
+
 }  // namespace pointbased

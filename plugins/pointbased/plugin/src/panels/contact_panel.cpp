@@ -48,7 +48,7 @@ void drawContactState(sdk::Ui &ui, const ObstacleTouch &touch, const std::string
   ui.value("Force x, y, z" + on, vectorText(touch.force, "N"));
   ui.value("Contact area" + on, significant(kSquareMillimetres * touch.area) + " mm²");
   ui.tooltip("Of the skin that presses on it, at rest");
-  ui.value("Displaced" + on, significant(1e6 * touch.displaced) + " mL");
+  ui.value("Displaced" + on, significant(1e6 * touch.displaced) + " ml");
   ui.tooltip("Volume of tissue whose reference position is inside it now");
   ui.value("Depth" + on, fixed(kMillimetres * touch.depth, 3) + " mm");
   ui.tooltip("Depth of the deepest point inside it: penetration not yet resolved by contact");
@@ -127,9 +127,7 @@ void drawGrasp(sdk::Ui &ui, GraspTool &grasp, const Snapshot *snapshot) {
   ui.heading("Grasp");
   if (ui.button("grasp", grasp.isActive() ? "Grasp is active" : "Activate grasp tool", !grasp.isActive()))
     (void)grasp.select();
-  ui.tooltip(
-      "Press on an organ: two jaws grasp it and close. Drag to move them, wheel to rotate, X to release"
-      "go");
+  ui.tooltip("Press on an organ: two jaws grasp it and close. Drag to move them, wheel to rotate, X to release");
   GraspSettings settings = grasp.settings();
   const auto length = [&](const char *id, const char *label, double low_mm, double high_mm, double &value) {
     double mm = kMillimetres * value;

@@ -53,8 +53,8 @@ void setBodyParameter(WorldSimulator &simulator, std::uint64_t body, const Param
 }  // namespace
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
-    : services_(services), tools_(tools), laws_(laws), verification_(services), obstacles_(services, tools.move),
-      loads_(services, tools.load) {
+    : services_(services), tools_(tools), face_(services.host), laws_(laws), verification_(services),
+      obstacles_(services, tools.move), loads_(services, tools.load) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
@@ -151,27 +151,54 @@ void Controller::draw(sdk::Ui &ui) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
   followWorld();
-  // The settings of the active tool come first, where they are seen at once.
+  face_.draw(ui);
+  if (snapshot) drawWarnings(ui, *snapshot);
+  if (snapshot && snapshot->bodies.size() > 1) chooseBody(ui, *snapshot);
+  drawActiveTools(ui, snapshot.get());
+  if (face_.isSimple())
+    drawSimple(ui, snapshot.get());
+  else
+    drawAll(ui, snapshot.get());
+}
+
+// The settings of the active tool come first, where they are seen at once.
+void Controller::drawActiveTools(sdk::Ui &ui, const Snapshot *snapshot) {
   if (tools_.pinch.isActive()) drawPinch(ui);
-  if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
-  if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
-  if (tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
-  if (tools_.load.isActive()) loads_.draw(ui, snapshot.get());
-  drawRun(ui, snapshot.get());
-  drawAccuracy(ui, snapshot.get());
-  if (snapshot) suggestRigid(ui, *snapshot);
-  drawBody(ui, snapshot.get());
-  drawView(ui, snapshot.get());
-  if (!tools_.pinch.isActive()) drawPinch(ui);
-  if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
-  if (!tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
-  if (!tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
-  if (!tools_.load.isActive()) loads_.draw(ui, snapshot.get());
+  if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot);
+  if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot);
+  if (tools_.move.isActive()) obstacles_.draw(ui, snapshot);
+  // The simple face has them where the tool is activated.
+  if (tools_.load.isActive() && !face_.isSimple()) loads_.draw(ui, snapshot);
+}
+
+// Above the first heading: a search does not hide them.
+void Controller::drawWarnings(sdk::Ui &ui, const Snapshot &snapshot) {
+  for (const std::string &notice : snapshot.notices) ui.text(notice);
+  suggestRigid(ui, snapshot);
+}
+
+// In the order of use.
+void Controller::drawAll(sdk::Ui &ui, const Snapshot *snapshot) {
+  drawRun(ui, snapshot);
+  drawAccuracy(ui, snapshot);
+  drawMaterial(ui);
+  if (!tools_.load.isActive()) loads_.draw(ui, snapshot);
+  drawWorld(ui);
   ui.heading("Contact and attachments");
   ui.params(worldParameters_.handle(), "Contact");
   if (snapshot) drawContacts(ui, *snapshot);
-  drawMaterial(ui);
-  drawWorld(ui);
+  drawView(ui, snapshot);
+  drawBody(ui, snapshot);
+  if (!tools_.pinch.isActive()) drawPinch(ui);
+  if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot);
+  if (!tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot);
+  if (!tools_.move.isActive()) obstacles_.draw(ui, snapshot);
+  ui.heading("Plasticity");
+  ui.params(bodyParameters_.handle(), "Plasticity");
+  ui.heading("Relaxation");
+  ui.params(bodyParameters_.handle(), "Relaxation");
+  ui.heading("Solver");
+  ui.params(worldParameters_.handle(), "Solver");
   if (snapshot) drawStages(ui, *snapshot);
 }
 
@@ -194,7 +221,6 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
     if (ui.button("rebuild", "Rebuild", body_ != 0 && !isCapturing_)) rebuild();
     ui.tooltip("Fills the present body again with the sampling below");
   }
-  if (snapshot && snapshot->bodies.size() > 1) chooseBody(ui, *snapshot);
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) {
     if (snapshot->bodies.size() == 1) ui.value("Body", body->name);
@@ -210,27 +236,35 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.tooltip("At rest: costs nothing until touched");
     ui.value("Computed", body->computed);
     ui.tooltip("What integrates the body (solver.integrator), and what its forces are computed with");
-    ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " mL");
+    ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " ml");
   }
   ui.params(bodyParameters_.handle(), "Sampling");
 }
 
 void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.heading("Accuracy");
+  const bool isSimple = face_.isSimple();
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) drawAccuracyStatement(ui, *body);
   verification_.draw(ui, *simulator_, snapshot, isMoving());
-  if (ui.button("finer", "Refine here", !isBusy() && body && !body->rigid)) makeFiner(*body);
-  ui.tooltip(
-      "Resamples the body with the same number of phyxels: smaller cells where supports, loads and previous pulls "
-      "cause most of the error; the simulation restarts");
+  if (!isSimple) {
+    if (ui.button("finer", "Refine here", !isBusy() && body && !body->rigid)) makeFiner(*body);
+    ui.tooltip(
+        "Resamples the body with the same number of phyxels: smaller cells where supports, loads and previous pulls "
+        "cause most of the error; the simulation restarts");
+  }
   verification_.drawResult(ui, snapshot);
-  ui.params(worldParameters_.handle(), "Accuracy");
+  ui.params(worldParameters_.handle(), "Error in mm");
+  if (isSimple)
+    drawOtherTarget(ui, simulator_->parts().parameters.values());
+  else
+    ui.params(worldParameters_.handle(), "Accuracy");
   if (!snapshot) return;
   if (ui.button("apply_wish", "Apply to all bodies", !isBusy() && !snapshot->bodies.empty()))
     applyAccuracyTarget(*snapshot);
   ui.tooltip("Resamples every body to meet the accuracy target; the simulation restarts");
-  if (body) drawAccuracyBars(ui, *body);
+  if (body && !isSimple) drawAccuracyBars(ui, *body);
+  if (body && isSimple) drawUnmetTarget(ui, *body);
   startTrials(*snapshot);
 }
 
@@ -302,20 +336,16 @@ void Controller::makeRigid(std::uint64_t body) {
 
 void Controller::drawMaterial(sdk::Ui &ui) {
   ui.heading("Material");
+  ui.params(bodyParameters_.handle(), "Stiffness");
   ui.params(bodyParameters_.handle(), "Material");
-  ui.heading("Plasticity");
-  ui.params(bodyParameters_.handle(), "Plasticity");
-  ui.heading("Relaxation");
-  ui.params(bodyParameters_.handle(), "Relaxation");
   ui.heading("Surroundings");
   ui.params(bodyParameters_.handle(), "Surroundings");
 }
 
 void Controller::drawWorld(sdk::Ui &ui) {
   ui.heading("World");
+  ui.params(worldParameters_.handle(), "Gravity");
   ui.params(worldParameters_.handle(), "World");
-  ui.heading("Solver");
-  ui.params(worldParameters_.handle(), "Solver");
 }
 
 void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
@@ -340,6 +370,7 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.value("State", modeName(mode));
   if (!snapshot) return;
   ui.value("Simulated time", fixed(snapshot->time, 3) + " s");
+  if (face_.isSimple()) return;
   ui.value("Steps", std::to_string(snapshot->steps));
   ui.value("Step size", significant(1e3 * snapshot->dt, 3) + " ms");
   if (state) ui.value("Real-time factor", playing ? fixed(state->real_time_factor, 2) : std::string("–"));
@@ -355,7 +386,6 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
         "spacing");
   }
   ui.value("State hash", hexadecimal(snapshot->hash));
-  for (const std::string &notice : snapshot->notices) ui.text(notice);
 }
 
 void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {
@@ -363,10 +393,8 @@ void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {
   if (!snapshot.events.empty()) ui.text("Latest event: " + snapshot.events.back().text);
 }
 
-void Controller::drawView(sdk::Ui &ui, const Snapshot *snapshot) {
-  if (!view_) return;
-  ui.heading("View");
-  ui.params(worldParameters_.handle(), "View");
+void Controller::drawColours(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.params(worldParameters_.handle(), "Colour");
   if (!snapshot || !snapshot->colours) return;
   const ColourScale &scale = *snapshot->colours;
   ui.value("Colours",
@@ -374,6 +402,13 @@ void Controller::drawView(sdk::Ui &ui, const Snapshot *snapshot) {
   std::string note = scale.note;
   for (std::size_t at; (at = note.find('\n')) != std::string::npos;) note.replace(at, 1, "; ");
   ui.value("Shown", note);
+}
+
+void Controller::drawView(sdk::Ui &ui, const Snapshot *snapshot) {
+  if (!view_) return;
+  ui.heading("View");
+  drawColours(ui, snapshot);
+  ui.params(worldParameters_.handle(), "View");
 }
 
 void Controller::drawPinch(sdk::Ui &ui) {

@@ -6,6 +6,7 @@
 #include "c3de/sdk/panel.hpp"
 #include "panels/load_panel.h"
 #include "panels/obstacle_panel.h"
+#include "panels/panel_face.h"
 #include "panels/verification_panel.h"
 #include "simulator/world_simulator.h"
 #include "tools/grasp_tool.h"
@@ -18,7 +19,8 @@
 namespace pointbased {
 
 /// The plugin's panel: load, sampling, material, world, run, view, pinch. Contains no physics. Edits are sent to the
-/// solver as commands between two steps; numbers are read from the latest snapshot. Main thread.
+/// solver as commands between two steps; numbers are read from the latest snapshot. Its simple face has the rows that a
+/// user needs first; warnings and the accuracy are in both (PanelFace). Main thread.
 class Controller : public sdk::Panel {
  public:
   /// In the order of the window.
@@ -41,11 +43,18 @@ class Controller : public sdk::Panel {
  private:
   [[nodiscard]] bool isMoving() const;
   void declareBody();
+  void drawActiveTools(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawWarnings(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawSimple(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawTissue(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawSupports(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawAll(sdk::Ui &ui, const Snapshot *snapshot);
   void drawBody(sdk::Ui &ui, const Snapshot *snapshot);
   void drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot);
   void drawMaterial(sdk::Ui &ui);
   void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
   void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawColours(sdk::Ui &ui, const Snapshot *snapshot);
   void drawView(sdk::Ui &ui, const Snapshot *snapshot);
   void drawPinch(sdk::Ui &ui);
   void drawWorld(sdk::Ui &ui);
@@ -83,6 +92,7 @@ class Controller : public sdk::Panel {
 
   const Services &services_;
   Tools tools_;
+  PanelFace face_;
   WorldSimulator *simulator_ = nullptr;
   SimulatorView *view_ = nullptr;
   sdk::ParameterSet bodyParameters_, worldParameters_;

@@ -22,11 +22,12 @@ class LoadPanel {
   /// Null if none.
   void setSimulator(WorldSimulator *simulator);
   void draw(sdk::Ui &ui, const Snapshot *snapshot);
+  /// Supports and loads that are set, without the selection of new ones.
+  void drawList(sdk::Ui &ui, const Snapshot &snapshot);
 
  private:
   void drawTool(sdk::Ui &ui, const Snapshot &snapshot);
   void drawNew(sdk::Ui &ui, const Snapshot &snapshot);
-  void drawList(sdk::Ui &ui, const Snapshot &snapshot);
   void drawValue(sdk::Ui &ui, const ConditionSnapshot &one);
   void add(const Snapshot &snapshot, ConditionKind kind);
   /// Changes a condition as an undo step. @param before, after  nothing: it does not exist

@@ -24,6 +24,7 @@ struct BodySnapshot {
   std::uint64_t id = 0;
   std::string name;
   std::shared_ptr<const std::vector<std::string>> tissues;  ///< names of its parts, from 0; may be empty
+  std::vector<std::string> supports;                        ///< of the scene: names, or numbers where they have none
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;

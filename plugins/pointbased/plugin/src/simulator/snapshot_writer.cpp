@@ -62,6 +62,7 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
     b.id = id;
     b.name = record.name;
     b.tissues = record.source.tissues;
+    if (b.supports != record.source.fixNames) b.supports = record.source.fixNames;
     b.rest = body.sharedRest();
     b.surface = record.surface;
     b.values = record.values;
