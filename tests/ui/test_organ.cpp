@@ -194,3 +194,39 @@ TEST_CASE("quitting asks nothing while nothing would be lost", "[organ_quit]") {
   window.key("ctrl+q");
   CHECK(window.waitForExit() == 0);
 }
+
+TEST_CASE("commands and tools are found by words and run by Enter", "[find_command]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("find_command");
+  startOrgan(window);
+  window.moveTo(window.inView(0.5, 0.9));
+  const auto find = [&](const std::string &words, const std::string &id) {
+    window.key("ctrl+k");
+    C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("palette/words"));
+    window.type(words);
+    C3DE_WAIT(window, "it is found", s["values"].value("palette/chosen", std::string()) == id);
+  };
+  const auto isClosed = [](const Json &s) { return !s["widgets"].contains("palette/words"); };
+  find("continue", "simulation.play");
+  window.screenshot("found");
+  window.key("Return");
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && isClosed(s));
+  find("tool pinch", "tools.pointbased.pinch");
+  window.key("Return");
+  C3DE_WAIT(window, "the tool is active", s["tool"] == "pointbased.pinch" && isClosed(s));
+  // The second match by the arrow, with the mouse, and what cannot be executed.
+  window.key("ctrl+k");
+  C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("palette/words"));
+  window.type("open");
+  const Json all =
+      C3DE_WAIT(window, "several are found", std::stoi("0" + s["values"].value("palette/found", std::string())) > 5);
+  window.key("Down");
+  C3DE_WAIT(window, "the next one is chosen",
+            s["values"]["palette/chosen"] != all["values"]["palette/chosen"] && s["values"]["palette/chosen"] != "");
+  window.key("Escape");
+  window.waitUntil("it is closed", isClosed);
+  find("label statistics csv", "file.save_statistics");
+  window.key("Return");
+  window.type(" zzz");
+  C3DE_WAIT(window, "it was not executed, and nothing matches any more", s["values"]["palette/found"] == "0");
+}

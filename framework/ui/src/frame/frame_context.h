@@ -74,6 +74,13 @@ struct ReportDialog {
   std::array<char, 8192> description{};
 };
 
+/// The dialog that finds commands.
+struct CommandPalette {
+  bool isShown = false;
+  std::array<char, 128> words{};
+  std::size_t chosen = 0;  ///< among those that match
+};
+
 /// Exists as long as the window.
 struct WindowState {
   TooltipTimer tooltip;
@@ -99,6 +106,7 @@ struct WindowState {
   StartPageState startPage;
   StretchDialog stretch;
   ReportDialog report;
+  CommandPalette palette;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
   AnchoredPanel sideRows;                 ///< of the side panel
   bool isSearchWanted = false;            ///< the search field of a panel receives the keyboard

@@ -110,6 +110,8 @@ constexpr CommandInfo kCommands[] = {
     {Command::orbitTool, "tools.orbit", "Orbit", "The left button turns the camera", 0, 'O'},
     {Command::managePlugins, "plugins.manage", "Manage plugins…", "What was loaded, refused and switched off, and why",
      0, 'P', C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+    {Command::findCommand, "help.find_command", "Find a command…",
+     "Commands and tools by words of their names and descriptions", 0, 'K', C3DE_MOD_CTRL},
     {Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keyboard and mouse", 0, 'H', 0, keyF1},
     {Command::showMessages, "help.messages", "Messages", "All messages since the start"},
     {Command::saveReport, "help.save_report", "Save a report…",

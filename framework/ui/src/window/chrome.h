@@ -32,6 +32,8 @@ void drawRecentMenu(FrameContext &frame);
 /// Panels that require input before there is anything to see, over the view. Adds to state.overlays.
 void drawViewPanels(FrameContext &frame, ImGuiPanels &panels);
 void drawShortcuts(FrameContext &frame);
+/// Dialog that finds commands and tools by words, while it is open.
+void drawCommandPalette(FrameContext &frame);
 void drawMessages(FrameContext &frame);
 void drawAbout(FrameContext &frame);
 void drawPluginManager(FrameContext &frame);

@@ -271,6 +271,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::orbitTool:
       if (frame.services.tools) frame.services.tools->activate({});
       break;
+    case Command::findCommand: frame.state.palette = {.isShown = true}; break;
     case Command::showShortcuts: frame.state.showShortcuts = true; break;
     case Command::showMessages: frame.state.showMessages = true; break;
     case Command::managePlugins: frame.state.showPlugins = true; break;

@@ -173,6 +173,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawStartPage(context, textures);
   drawViewPanels(context, panels);
   fileDialog.draw(context);
+  drawCommandPalette(context);
   drawShortcuts(context);
   drawMessages(context);
   drawAbout(context);

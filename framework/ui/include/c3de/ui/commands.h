@@ -64,6 +64,7 @@ enum class Command {
   loadState,
   orbitTool,
   managePlugins,
+  findCommand,
   showShortcuts,
   showMessages,
   saveReport,
