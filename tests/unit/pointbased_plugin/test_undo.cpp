@@ -179,6 +179,8 @@ class Window {
     return true;
   }
 
+  [[nodiscard]] registry::TextPanel &panel() { return panel_; }
+
   /// What a user means by the state: hash and time of the simulation, what the panel shows.
   struct State {
     std::uint64_t hash = 0, steps = 0;
@@ -457,4 +459,42 @@ TEST_CASE("The panel shows values of the world that are set outside of it, and U
   window.flush();
   CHECK(window.shown("world.gravity") == value.vec);
   CHECK(window.undoCount() == 2);
+}
+
+TEST_CASE(
+    "the simple face of the panel has what comes first, accuracy is in both faces, and no state depends on them") {
+  Window window("explicit");
+  const auto has = [&](const char *id) { return window.panel().find(id) != nullptr; };
+  const auto statesAccuracy = [&] {
+    return window.panel().value("Displacement") && window.panel().value("Stress and strain") &&
+           window.panel().value("Singular regions");
+  };
+  const Window::State before = window.state();
+  for (const char *id : {"play", "material.youngs_modulus", "world.gravity", "accuracy.error_mm", "hold", "verify"}) {
+    INFO(id);
+    CHECK(has(id));
+  }
+  CHECK(statesAccuracy());
+  CHECK_FALSE(has("solver.dt"));
+  CHECK_FALSE(has("material.density"));
+  CHECK_FALSE(window.panel().value("State hash"));
+
+  window.panel().press("view.face.all");
+  window.frame();
+  window.frame();
+  for (const char *id : {"play", "material.youngs_modulus", "world.gravity", "accuracy.error_mm", "verify", "solver.dt",
+                         "material.density", "pinch"}) {
+    INFO(id);
+    CHECK(has(id));
+  }
+  CHECK(statesAccuracy());
+  CHECK_FALSE(has("hold"));
+  CHECK(window.panel().value("State hash"));
+  CHECK(window.state() == before);
+
+  window.panel().press("view.face.simple");
+  window.frame();
+  window.frame();
+  CHECK(has("hold"));
+  CHECK_FALSE(has("solver.dt"));
 }
