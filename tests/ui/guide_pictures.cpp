@@ -200,6 +200,51 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.screenshot("organs");
 }
 
+TEST_CASE("A figure of the brain for the user guide", "[.guide][.guide_figure]") {
+  C3DE_WINDOW_OR_SKIP();
+  const std::filesystem::path home = outputFile("guide_figure_home"), file = outputFile("guide-figure.png");
+  std::filesystem::remove_all(home);
+  std::filesystem::remove(file);
+  const ScopedEnvironment user("C3DE_HOME", home.string());
+  WorkstationDriver window("guide");
+  window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_living.toml").string()});
+  C3DE_WAIT(window, "the brain has settled",
+            s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0);
+  window.key("space");
+  C3DE_WAIT(window, "it pauses", mode(s) == "paused");
+  window.clickAt(window.inPane("sagittal", 0.34, 0.3));
+  window.key("shift+F12");
+  C3DE_WAIT(window, "the dialog is shown", s["widgets"].contains("figure/save"));
+  window.screenshotAtRest("figure_dialog");
+  window.click("figure/dpi");
+  window.key("ctrl+a");
+  window.type("150");
+  window.key("Tab");
+  window.click("figure/save");
+  window.enterFile(file);
+  C3DE_WAIT(window, "the figure is saved", s["notifications"].dump().find("Figure saved") != std::string::npos);
+}
+
+TEST_CASE("A picture of curves for the user guide", "[.guide][.guide_plots]") {
+  C3DE_WINDOW_OR_SKIP();
+  const std::filesystem::path home = outputFile("guide_plots_home");
+  std::filesystem::remove_all(home);
+  const ScopedEnvironment user("C3DE_HOME", home.string());
+  WorkstationDriver window("guide");
+  window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
+  C3DE_WAIT(window, "the organ is shown", s["values"].contains(kPanel + "Surfels"));
+  window.key("ctrl+t");
+  window.key("space");
+  C3DE_WAIT(window, "it has fallen", s["transport"]["time_s"].get<double>() > 2.0);
+  window.key("space");
+  C3DE_WAIT(window, "it pauses", mode(s) == "paused");
+  const Json area = window.state()["area"];
+  window.moveTo({area["x"].get<double>() + 0.6 * area["w"].get<double>(),
+                 area["y"].get<double>() + area["h"].get<double>() + 80.0});
+  C3DE_WAIT(window, "values are shown", s["values"].contains("plots/hover"));
+  window.screenshotAtRest("plots");
+}
+
 TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("guide");

@@ -174,6 +174,17 @@ TEST_CASE("rows of a panel are searched by label, id and tooltip, and Esc ends i
   window.click(kPanel + "rows.clear");
   C3DE_WAIT(window, "all rows are there again", hasWidget(s, "solver.dt") && row(s, "rows.found").empty());
 
+  // A folded panel is opened.
+  window.click(kPanel + "header");
+  C3DE_WAIT(window, "it is folded", !hasWidget(s, "rows.search"));
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("ctrl+f");
+  C3DE_WAIT(window, "it is open", hasWidget(s, "rows.search"));
+  window.type("density");
+  C3DE_WAIT(window, "it is searched", row(s, "rows.search") == "density" && !hasWidget(s, "solver.dt"));
+  window.key("Escape");
+  C3DE_WAIT(window, "it shows all rows", hasWidget(s, "solver.dt"));
+
   // What is edited while it is filtered is the same as without.
   search(window, "poisson");
   window.enterNumber(kPanel + "material.poisson_ratio", "0.31");

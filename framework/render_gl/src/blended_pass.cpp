@@ -210,7 +210,7 @@ void BlendedPass::drawRuns(const Frame &frame, const Programs &programs, RenderS
   glUniform1i(shaders::kSmoothEdge, 1);
   glUniform1i(shaders::kBlended, 1);
   glUseProgram(programs.line.name());
-  glUniform2f(shaders::kViewportSize, static_cast<float>(frame.width), static_cast<float>(frame.height));
+  glUniform2fv(shaders::kViewportSize, 1, frame.scaledSize().data());
   glUniform1f(shaders::kNear, frame.nearPlane);
 
   for (const Run &run : runs_) {

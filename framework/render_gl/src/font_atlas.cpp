@@ -12,7 +12,8 @@
 namespace c3de::render {
 namespace {
 
-constexpr int kAtlasWidth = 512;
+constexpr int kAtlasWidth = 512;  // for small text; as many times as much for larger
+constexpr float kSmallText_px = 18.0f;
 constexpr int kOutline = 2;             // px around the glyph
 constexpr int kPadding = kOutline + 1;  // plus one empty pixel, for linear filtering
 
@@ -98,7 +99,7 @@ FontAtlas buildFontAtlas(std::span<const std::filesystem::path> fontDirectories,
     font = loadBuiltInFont(pixelHeight);
     atlas.font = "built-in";
   }
-  atlas.width = kAtlasWidth;
+  atlas.width = kAtlasWidth * std::max(1, static_cast<int>(std::ceil(pixelHeight / kSmallText_px)));
   atlas.ascent = font->ascent();
   atlas.lineHeight = font->lineHeight();
 
@@ -113,7 +114,7 @@ FontAtlas buildFontAtlas(std::span<const std::filesystem::path> fontDirectories,
       if (bitmap->width > 0 && bitmap->height > 0) {
         glyph.width = bitmap->width + 2 * kPadding;
         glyph.height = bitmap->height + 2 * kPadding;
-        if (penX + glyph.width > kAtlasWidth) {
+        if (penX + glyph.width > atlas.width) {
           penX = 0;
           penY += rowHeight;
           rowHeight = 0;
@@ -125,7 +126,8 @@ FontAtlas buildFontAtlas(std::span<const std::filesystem::path> fontDirectories,
         penX += glyph.width;
         rowHeight = std::max(rowHeight, glyph.height);
         atlas.height = penY + rowHeight;
-        atlas.pixels.resize(std::size_t{2} * kAtlasWidth * static_cast<std::size_t>(atlas.height));
+        atlas.pixels.resize(std::size_t{2} * static_cast<std::size_t>(atlas.width) *
+                            static_cast<std::size_t>(atlas.height));
         stamp(atlas, glyph, *bitmap);
       }
       atlas.glyphs.emplace(character, glyph);

@@ -25,10 +25,17 @@ struct Frame {
   Mat4 view{}, projection{};  ///< in double, for precision far from the origin
   Mat4f projectionF{};
   int width = 0, height = 0;
+  float scale = 1.0f;    ///< pixels per pixel of text, lines and legends
+  bool isLight = false;  ///< dark text on a light ground
   float nearPlane = 1.0f;
   bool multisampled = false;
   Cuts cuts = kNoCuts;       ///< of images
   bool cutsProxies = false;  ///< also cuts everything else
+
+  /// Size in the pixels that widths of lines and positions of text are counted in.
+  [[nodiscard]] std::array<float, 2> scaledSize() const {
+    return {static_cast<float>(width) / scale, static_cast<float>(height) / scale};
+  }
 };
 
 /// For the program in use, which must contain kCutFunction.

@@ -44,7 +44,8 @@ class GlRenderer final : public RetainedRenderer {
 #endif
   }
 
-  void draw(const Camera &camera, const Viewport &viewport) override { draw(camera, viewport, false); }
+  void draw(const Camera &camera, const Viewport &viewport) override { draw(camera, viewport, style_.isFinal); }
+  void setPictureStyle(const PictureStyle &style) override { style_ = style; }
 
   Expected<Image> drawToImage(const Camera &camera, int width, int height) override {
     if (auto size = checkImageSize(width, height, largestImage_); !size) return tl::unexpected(size.error());
@@ -142,10 +143,12 @@ class GlRenderer final : public RetainedRenderer {
     glDepthFunc(GL_LEQUAL);
   }
 
-  static Frame makeFrame(const Camera &camera, const Viewport &viewport) {
+  Frame makeFrame(const Camera &camera, const Viewport &viewport) const {
     Frame frame;
     frame.width = viewport.width;
     frame.height = viewport.height;
+    frame.scale = style_.scale > 0.0f ? style_.scale : 1.0f;
+    frame.isLight = style_.isLight;
     frame.view = camera.viewMatrix();
     frame.projection = camera.projectionMatrix(static_cast<double>(viewport.width) / viewport.height);
     frame.projectionF = toFloat(frame.projection);
@@ -192,8 +195,9 @@ class GlRenderer final : public RetainedRenderer {
     glClear(GL_DEPTH_BUFFER_BIT);
     glDisable(GL_DEPTH_TEST);
     glUseProgram(programs_.background.name());
-    glUniform3fv(shaders::kTopColour, 1, background_.top.data());
-    glUniform3fv(shaders::kBottomColour, 1, background_.bottom.data());
+    const Background &background = style_.background ? *style_.background : background_;
+    glUniform3fv(shaders::kTopColour, 1, background.top.data());
+    glUniform3fv(shaders::kBottomColour, 1, background.bottom.data());
     glBindVertexArray(backgroundArray_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glEnable(GL_DEPTH_TEST);
@@ -207,6 +211,7 @@ class GlRenderer final : public RetainedRenderer {
   LabelPass labels_;
   RenderStatistics statistics_;
   GlImages images_;
+  PictureStyle style_;
   int largestImage_ = 0;
 };
 

@@ -10,8 +10,9 @@
 namespace c3de::render {
 namespace {
 
-constexpr float kTextHeight_px = 18.0f;
-constexpr float kGap_px = 6.0f;  // between the point and the text
+constexpr auto kTextHeight_px = static_cast<float>(Renderer::kLegendText_px);
+constexpr float kGap_px = 6.0f;      // between the point and the text
+constexpr float kFinestText = 4.0f;  // beyond it characters are magnified
 
 }  // namespace
 
@@ -37,15 +38,29 @@ void LabelPass::add(const Proxy &proxy, const Frame &frame) {
   const double w = -p[2];
   const double x = frame.projection[0] * p[0] / w, y = frame.projection[5] * p[1] / w;
   if (!(std::abs(x) < 2.0 && std::abs(y) < 2.0)) return;  // far outside, or not finite
-  labels_.push_back({&proxy, static_cast<float>(0.5 * (x + 1.0) * frame.width),
-                     static_cast<float>(0.5 * (y + 1.0) * frame.height), static_cast<float>(w)});
+  const auto [width, height] = frame.scaledSize();
+  labels_.push_back({&proxy, 0.5f * static_cast<float>(x + 1.0) * width, 0.5f * static_cast<float>(y + 1.0) * height,
+                     static_cast<float>(w)});
 }
 
-void LabelPass::buildAtlas() {
+void LabelPass::useAtlas(float scale) {
+  scale_ = std::clamp(scale, 1.0f, kFinestText);
+  const auto known =
+      std::find_if(atlases_.begin(), atlases_.end(), [this](const auto &a) { return a.scale == scale_; });
+  if (known != atlases_.end()) {
+    atlas_ = &known->atlas;
+    glBindTexture(GL_TEXTURE_2D, known->texture.name());
+    return;
+  }
+  // That of windows, and that of the last pictures.
+  while (atlases_.size() > 1) atlases_.pop_back();
+  SizedAtlas &made = atlases_.emplace_back();
+  made.scale = scale_;
   const auto directories = fontDirectories();
-  atlas_ = buildFontAtlas(directories, kTextHeight_px);
-  texture_ = Texture::create();
-  glBindTexture(GL_TEXTURE_2D, texture_.name());
+  made.atlas = buildFontAtlas(directories, scale_ * kTextHeight_px);
+  atlas_ = &made.atlas;
+  made.texture = Texture::create();
+  glBindTexture(GL_TEXTURE_2D, made.texture.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
@@ -61,7 +76,7 @@ void LabelPass::buildAtlas() {
 float LabelPass::widthOf(std::u32string_view line) const {
   float width = 0.0f;
   for (const char32_t character : line) width += atlas_->glyph(character).advance;
-  return width;
+  return width / scale_;
 }
 
 void LabelPass::addLine(std::u32string_view line, float x, float baseLine, Rgba8 colour) {
@@ -69,11 +84,12 @@ void LabelPass::addLine(std::u32string_view line, float x, float baseLine, Rgba8
   for (const char32_t character : line) {
     const Glyph &glyph = atlas_->glyph(character);
     // Integer pixels keep the strokes sharp.
-    const float x0 = std::round(pen) + glyph.left, y1 = std::round(baseLine) - glyph.top;
-    const float x1 = x0 + static_cast<float>(glyph.width), y0 = y1 - static_cast<float>(glyph.height);
+    const float x0 = (std::round(scale_ * pen) + glyph.left) / scale_,
+                y1 = (std::round(scale_ * baseLine) - glyph.top) / scale_;
+    const float x1 = x0 + static_cast<float>(glyph.width) / scale_, y0 = y1 - static_cast<float>(glyph.height) / scale_;
     const auto u0 = static_cast<float>(glyph.x), v0 = static_cast<float>(glyph.y);
     const float u1 = u0 + static_cast<float>(glyph.width), v1 = v0 + static_cast<float>(glyph.height);
-    pen += glyph.advance;
+    pen += glyph.advance / scale_;
     if (glyph.width == 0) continue;
     const Vertex a{x0, y0, u0, v1, colour}, b{x1, y0, u1, v1, colour};
     const Vertex c{x1, y1, u1, v0, colour}, d{x0, y1, u0, v0, colour};
@@ -86,12 +102,12 @@ void LabelPass::layOut(const Placed &label) {
   const Rgba8 colour = toRgba8(label.proxy->material.colour);
   const auto lines = 1 + std::count(text.begin(), text.end(), U'\n');
   // y is up here; the last line ends above the point.
-  float baseLine = label.y + kGap_px + (static_cast<float>(lines) * atlas_->lineHeight - atlas_->ascent);
+  float baseLine = label.y + kGap_px + (static_cast<float>(lines) * lineHeight() - ascent());
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(U'\n', begin), text.size());
     const std::u32string_view line = std::u32string_view(text).substr(begin, end - begin);
     addLine(line, label.x - 0.5f * widthOf(line), baseLine, colour);
-    baseLine -= atlas_->lineHeight;
+    baseLine -= lineHeight();
     begin = end + 1;
   }
 }
@@ -99,17 +115,16 @@ void LabelPass::layOut(const Placed &label) {
 void LabelPass::draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
   if (labels_.empty() && legends_.empty()) return;
   glActiveTexture(GL_TEXTURE0);
-  if (!atlas_) buildAtlas();
+  useAtlas(frame.scale);
   // Closer labels cover farther ones.
   std::stable_sort(labels_.begin(), labels_.end(), [](const Placed &a, const Placed &b) { return a.depth > b.depth; });
   for (const Placed &label : labels_) layOut(label);
-  layOutLegends(frame.width, frame.height);
+  layOutLegends(frame);
   if (vertices_.empty()) return;
 
   glUseProgram(programs.label.name());
-  glUniform2f(shaders::kViewportSize, static_cast<float>(frame.width), static_cast<float>(frame.height));
+  glUniform2fv(shaders::kViewportSize, 1, frame.scaledSize().data());
   glUniform1i(shaders::kAtlas, 0);
-  glBindTexture(GL_TEXTURE_2D, texture_.name());
   glBindSampler(0, 0);
   glBindVertexArray(array_.name());
   uploadBuffer(GL_ARRAY_BUFFER, buffer_, std::span<const Vertex>(vertices_));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Text above points of the scene, of constant size, in front of everything else, and legends, which are text next to a
-// bar. The atlas is drawn on first use.
+// bar. An atlas is drawn when a size of text is first used.
 #pragma once
 
-#include <optional>
+#include <deque>
 #include <string_view>
 #include <vector>
 
@@ -33,16 +33,25 @@ class LabelPass {
     const Proxy *proxy;
     float x, y, depth;
   };
-  void buildAtlas();
+  struct SizedAtlas {
+    float scale = 1.0f;
+    FontAtlas atlas;
+    Texture texture;
+  };
+  /// Binds the characters for text of this many pixels per pixel.
+  void useAtlas(float scale);
   void layOut(const Placed &label);
-  void layOutLegends(int width, int height);
+  void layOutLegends(const Frame &frame);
+  [[nodiscard]] float lineHeight() const { return atlas_->lineHeight / scale_; }
+  [[nodiscard]] float ascent() const { return atlas_->ascent / scale_; }
   [[nodiscard]] float widthOf(std::u32string_view line) const;
   /// From x on, on the base line.
   void addLine(std::u32string_view line, float x, float baseLine, Rgba8 colour);
   void addRectangle(float x0, float y0, float x1, float y1, Rgba8 bottom, Rgba8 top);
 
-  std::optional<FontAtlas> atlas_;
-  Texture texture_;
+  std::deque<SizedAtlas> atlases_;  ///< references to its elements remain valid
+  const FontAtlas *atlas_ = nullptr;
+  float scale_ = 1.0f;  ///< pixels of the atlas per pixel of the layout
   VertexArray array_;
   Buffer buffer_;
   std::vector<Placed> labels_;

@@ -14,8 +14,11 @@ constexpr float kMargin_px = 12.0f, kPadding_px = 12.0f, kGap_px = 8.0f;
 constexpr float kBarWidth_px = 18.0f, kLongestBar_px = 220.0f, kShortestBar_px = 48.0f;
 constexpr int kMaxTicks = 6;
 constexpr float kPartOfWidth = 0.6f;  // a legend that would cover more of the picture is omitted
-constexpr Rgba8 kGround{20, 23, 28, 205}, kText{232, 235, 240, 255}, kDim{168, 176, 188, 255},
-    kTick{232, 235, 240, 150};
+struct Inks {
+  Rgba8 ground, text, dim, tick;
+};
+constexpr Inks kOnDark{{20, 23, 28, 205}, {232, 235, 240, 255}, {168, 176, 188, 255}, {232, 235, 240, 150}};
+constexpr Inks kOnLight{{255, 255, 255, 215}, {20, 23, 28, 255}, {70, 76, 86, 255}, {20, 23, 28, 170}};
 
 struct Tick {
   double value;
@@ -78,11 +81,13 @@ void LabelPass::addRectangle(float x0, float y0, float x1, float y1, Rgba8 botto
   vertices_.insert(vertices_.end(), {a, b, c, a, c, d});
 }
 
-void LabelPass::layOutLegends(int width, int height) {
+void LabelPass::layOutLegends(const Frame &frame) {
   if (legends_.empty()) return;
+  const auto [width, height] = frame.scaledSize();
+  const Inks &inks = frame.isLight ? kOnLight : kOnDark;
   const auto count = static_cast<float>(legends_.size());
-  const float line = atlas_->lineHeight, room = (static_cast<float>(height) - kMargin_px) / count - kMargin_px;
-  float below = 0.5f * (static_cast<float>(height) + count * (room + kMargin_px) - kMargin_px);  // top of the next
+  const float line = lineHeight(), room = (height - kMargin_px) / count - kMargin_px;
+  float below = 0.5f * (height + count * (room + kMargin_px) - kMargin_px);  // top of the next
   for (const Legend *legend : legends_) {
     const float top = below;
     below -= room + kMargin_px;
@@ -98,17 +103,17 @@ void LabelPass::layOutLegends(int width, int height) {
     for (const auto *lines : {&head, &foot})
       for (const std::u32string &text : *lines) wide = std::max(wide, widthOf(text));
     wide = std::max(wide, kBarWidth_px + 2.0f * kGap_px + tickWidth);
-    if (wide + 2.0f * kPadding_px > kPartOfWidth * static_cast<float>(width)) continue;
+    if (wide + 2.0f * kPadding_px > kPartOfWidth * width) continue;
 
     // y is up.
     const float boxHeight = words + bar + 2.0f * kPadding_px + 2.0f * kGap_px;
-    const float right = static_cast<float>(width) - kMargin_px, left = std::floor(right - wide - 2.0f * kPadding_px);
+    const float right = width - kMargin_px, left = std::floor(right - wide - 2.0f * kPadding_px);
     const float upper = std::floor(top - 0.5f * (room - boxHeight)), x = left + kPadding_px;
-    addRectangle(left, upper - boxHeight, right, upper, kGround, kGround);
-    float base = upper - kPadding_px - atlas_->ascent;
+    addRectangle(left, upper - boxHeight, right, upper, inks.ground, inks.ground);
+    float base = upper - kPadding_px - ascent();
     for (std::size_t i = 0; i < head.size(); ++i, base -= line)
-      addLine(head[i], x, base, i + 1 == head.size() && !legend->unit.empty() ? kDim : kText);
-    const float barTop = std::floor(base + atlas_->ascent - kGap_px - 0.25f * line), barBottom = barTop - bar;
+      addLine(head[i], x, base, i + 1 == head.size() && !legend->unit.empty() ? inks.dim : inks.text);
+    const float barTop = std::floor(base + ascent() - kGap_px - 0.25f * line), barBottom = barTop - bar;
     const std::size_t bands = legend->colours.size() - 1;
     for (std::size_t i = 0; i < bands; ++i) {
       const float band = bar / static_cast<float>(bands), y = barBottom + band * static_cast<float>(i);
@@ -116,11 +121,12 @@ void LabelPass::layOutLegends(int width, int height) {
     }
     for (const Tick &tick : ticks) {
       const float y = barBottom + bar * static_cast<float>((tick.value - legend->low) / (legend->high - legend->low));
-      addRectangle(x + kBarWidth_px, std::floor(y - 0.5f), x + kBarWidth_px + 5.0f, std::floor(y + 0.5f), kTick, kTick);
-      addLine(decodeUtf8(tick.text), x + kBarWidth_px + 2.0f * kGap_px, y - 0.35f * atlas_->ascent, kText);
+      addRectangle(x + kBarWidth_px, std::floor(y - 0.5f), x + kBarWidth_px + 5.0f, std::floor(y + 0.5f), inks.tick,
+                   inks.tick);
+      addLine(decodeUtf8(tick.text), x + kBarWidth_px + 2.0f * kGap_px, y - 0.35f * ascent(), inks.text);
     }
-    base = barBottom - kGap_px - 0.25f * line - atlas_->ascent;
-    for (std::size_t i = 0; i < foot.size(); ++i, base -= line) addLine(foot[i], x, base, kDim);
+    base = barBottom - kGap_px - 0.25f * line - ascent();
+    for (std::size_t i = 0; i < foot.size(); ++i, base -= line) addLine(foot[i], x, base, inks.dim);
   }
 }
 

@@ -152,7 +152,7 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
       useArray(shaders::kEndColour, hasColours);
       if (!hasColours) glVertexAttrib4fv(shaders::kEndColour, proxy.material.colour.data());
       glVertexAttrib1f(shaders::kWidth, proxy.width_px);
-      glUniform2f(shaders::kViewportSize, static_cast<float>(frame.width), static_cast<float>(frame.height));
+      glUniform2fv(shaders::kViewportSize, 1, frame.scaledSize().data());
       glUniform1f(shaders::kNear, frame.nearPlane);
       glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(proxy.positions.size() / 2));
       break;

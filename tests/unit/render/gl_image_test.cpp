@@ -353,6 +353,42 @@ TEST_CASE("A legend stands at the right edge, its first colour below, its last a
   CHECK(drawn(*gl.renderer, frontCamera(), 400, 320).rgb == empty.rgb);
 }
 
+TEST_CASE("The style of a picture scales legends and lines, lightens their ground, and is gone afterwards") {
+  C3DE_GL_OR_SKIP(gl);
+  setBlackBackground(*gl.renderer);
+  gl.renderer->createLegend(redToBlue());
+  gl.renderer->createLines(std::vector<Vec3f>{{-1000, 0, 0}, {1000, 0, 0}}, 2.0f, {{0, 1, 0, 1}});
+  const Camera camera = frontCamera();
+  const auto count = [](const Image &image, auto isWanted) {
+    double found = 0.0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) found += isWanted(pixel(image, x, y)) ? 1.0 : 0.0;
+    return found;
+  };
+  const auto isGreen = [](const Rgb &c) { return c[1] > 200 && c[0] < 60 && c[2] < 60; };
+  const auto isBar = [](const Rgb &c) { return c[1] < 40 && c[0] + c[2] > 200; };
+  const auto isWhite = [](const Rgb &c) { return c[0] > 250 && c[1] > 250 && c[2] > 250; };
+  const Image usual = drawn(*gl.renderer, camera, 500, 400);
+  CHECK(count(usual, isWhite) < 500.0);
+
+  Renderer::PictureStyle style;
+  style.scale = 2.0f;
+  style.isLight = true;
+  style.background = Renderer::Background{{1, 1, 1, 1}, {1, 1, 1, 1}};
+  gl.renderer->setPictureStyle(style);
+  const std::uint64_t changes = gl.renderer->changes();
+  const Image doubled = drawn(*gl.renderer, camera, 1000, 800);
+  CHECK(gl.renderer->changes() == changes);
+  // Twice as wide, in a picture that is twice as wide: four times the pixels.
+  CHECK(count(doubled, isGreen) / count(usual, isGreen) == Approx(4.0).epsilon(0.05));
+  CHECK(count(doubled, isBar) / count(usual, isBar) == Approx(4.0).epsilon(0.08));
+  CHECK(count(doubled, isWhite) > 0.8 * 1000 * 800);
+
+  gl.renderer->setPictureStyle({});
+  const Image again = drawn(*gl.renderer, camera, 500, 400);
+  CHECK(again.rgb == usual.rgb);
+}
+
 TEST_CASE("Two legends stand below each other, and a picture too small for one has none") {
   C3DE_GL_OR_SKIP(gl);
   setBlackBackground(*gl.renderer);

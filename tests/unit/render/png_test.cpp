@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "c3de/render/png_file.h"
 #include "c3de/render/renderer.h"
 #include "support/catch.h"
+#include "support/png_resolution.h"
 
 #ifdef _MSC_VER
 #pragma warning(disable : 4505)  // functions of the library that are not used here
@@ -46,6 +49,41 @@ TEST_CASE("A written PNG reads back to the same pixels, top row first") {
   CHECK(channels == 3);
   CHECK(std::equal(image.rgb.begin(), image.rgb.end(), pixels));
   stbi_image_free(pixels);
+}
+
+TEST_CASE("A PNG states its resolution in a pHYs chunk, and has the same pixels") {
+  const Image image = testImage();
+  const auto bytes = encodePng(image, 300.0);
+  REQUIRE(bytes.has_value());
+  const auto size = c3de::test::pngSize({bytes->begin(), bytes->end()});
+  REQUIRE(size.has_value());
+  CHECK(size->width == 37);
+  CHECK(size->height == 23);
+  CHECK(size->perMetreX == 11811);  // 300 / 0.0254 m = 11811.02
+  CHECK(size->perMetreY == 11811);
+  CHECK(size->unit == 1);
+  CHECK(size->crc == 0x78a53f76u);  // of the chunk, computed by zlib
+  CHECK(size->isBeforeData);
+
+  int width = 0, height = 0, channels = 0;
+  unsigned char *pixels = stbi_load_from_memory(reinterpret_cast<const unsigned char *>(bytes->data()),
+                                                static_cast<int>(bytes->size()), &width, &height, &channels, 3);
+  REQUIRE(pixels != nullptr);
+  CHECK(std::equal(image.rgb.begin(), image.rgb.end(), pixels));
+  stbi_image_free(pixels);
+}
+
+TEST_CASE("A resolution that a PNG cannot state is refused with what is accepted, and 0 states none") {
+  for (const double dpi : {-1.0, 0.01, 2e6, std::nan("")}) {
+    const auto bytes = encodePng(testImage(), dpi);
+    REQUIRE(!bytes.has_value());
+    CHECK_THAT(bytes.error().message, Contains("accepted: 0.1 to 1000000"));
+  }
+  const auto bytes = encodePng(testImage(), 0.0);
+  REQUIRE(bytes.has_value());
+  const auto size = c3de::test::pngSize({bytes->begin(), bytes->end()});
+  REQUIRE(size.has_value());
+  CHECK(size->perMetreX == 0);
 }
 
 TEST_CASE("A PNG into a folder that does not exist is an output error that names the file") {

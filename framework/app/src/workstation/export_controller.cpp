@@ -74,7 +74,7 @@ std::string ExportController::proposedName(ui::Command exported) const {
   const scene::Node *node = session.sceneGraph().find(session.simulationNode());
   const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportLabels ||
                          exported == ui::Command::exportDisplacement || exported == ui::Command::saveLabels ||
-                         exported == ui::Command::saveStatistics;
+                         exported == ui::Command::saveStatistics || (exported == ui::Command::saveFigure && !node);
   std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name))
                      : node             ? node->name
                                         : std::string();
@@ -86,6 +86,7 @@ std::string ExportController::proposedName(ui::Command exported) const {
   if (exported == ui::Command::saveLabels) return name + "-labels";
   if (exported == ui::Command::saveStatistics) return name + "-statistics";
   if (exported == ui::Command::exportTissues) name += "-tissues";
+  if (exported == ui::Command::saveFigure) name += "-figure";
   if (exported == ui::Command::saveSessionAs) return name;
   if (scene::Simulation *simulation = session.simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);
   return name;

@@ -30,7 +30,9 @@
 #include "commands/last_crash.h"
 #include "workstation/body_creation_controller.h"
 #include "workstation/export_controller.h"
+#include "workstation/figure_controller.h"
 #include "workstation/measurement_controller.h"
+#include "workstation/plot_controller.h"
 #include "workstation/plugin_problems.h"
 #include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
@@ -44,7 +46,6 @@
 #include "workstation/warp_controller.h"
 #include "workstation/workstation_images.h"
 #include "workstation/workstation_loader.h"
-#include "workstation/workstation_screenshot.h"
 
 namespace c3de::app {
 namespace {
@@ -85,7 +86,6 @@ class Workstation {
   [[nodiscard]] std::string unsaved();
   void open(const ui::OpenRequest &request);
   [[nodiscard]] RecentFilesController::Shown shownFiles() const;
-  void saveScreenshot();
   void onImageShown();
   void closeImage();
   void closeSimulation();
@@ -118,6 +118,8 @@ class Workstation {
   std::optional<ReplayController> replay_;
   std::optional<ReportController> report_;
   std::optional<MeasurementController> measurements_;
+  std::optional<FigureController> figures_;
+  std::optional<PlotController> plots_;
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
   std::unique_ptr<Session> session_;
@@ -224,6 +226,8 @@ void Workstation::createControllers() {
   report_.emplace(ReportController::Parts{session, panels_, parameters_, keptLog_, renderer_->description(), failed});
   measurements_.emplace(
       MeasurementController::Parts{session, panels_, edits_, tools_, *images_, *window_, *renderer_, failed});
+  figures_.emplace(FigureController::Parts{session, panels_, *window_, *renderer_, *images_, *measurements_, failed});
+  plots_.emplace(PlotController::Parts{session, panels_, *measurements_, *figures_, failed});
   sessions_.emplace(
       SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(), failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
@@ -233,6 +237,8 @@ void Workstation::createControllers() {
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
     measurements_->onPublished(simulation);
+    figures_->onPublished(simulation);
+    plots_->onPublished(simulation);
   });
 }
 
@@ -240,7 +246,7 @@ void Workstation::connectWindow() {
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->workflow(), &images_->brush(), &images_->scanBody(), &tissueTable_->table(), &edits_,
                     &commands_, &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); },
-                    &sessions_->missingFiles(), &measurements_->list(), &measurements_->tools()},
+                    &sessions_->missingFiles(), &measurements_->list(), &measurements_->tools(), &plots_->plots()},
                    actions());
   tools_.setMarkedPoint([this] {
     const ui::ImageViews &views = images_->views();
@@ -256,6 +262,8 @@ ui::WindowActions Workstation::actions() {
   simulation_->connect(actions);
   exports_->connect(actions);
   measurements_->connect(actions);
+  figures_->connect(actions);
+  plots_->connect(actions);
   recording_->connect(actions);
   report_->connect(actions);
   sessions_->connect(actions);
@@ -268,7 +276,6 @@ ui::WindowActions Workstation::actions() {
   actions.saveStatistics = [this](const std::filesystem::path &file) { images_->saveStatistics(file); };
   actions.closeImage = [this] { closeImage(); };
   actions.closeSimulation = [this] { closeSimulation(); };
-  actions.screenshot = [this] { saveScreenshot(); };
   actions.surfaceExtensions = [this] { return listed(session_->meshFormats().writableExtensions()); };
   actions.unsaved = [this] { return unsaved(); };
   replay_->connect(actions);
@@ -289,7 +296,8 @@ void Workstation::run() {
   });
   while (!window_->closeRequested()) {
     const bool showsNewData = window_->waitForFrame();
-    if (showsNewData) {
+    // While a figure is drawn, all its views show the same moment.
+    if (showsNewData && !figures_->isDrawing()) {
       session_->mainQueue().runFrame();
       simulation_->reportProblems();
     }
@@ -299,10 +307,12 @@ void Workstation::run() {
     simulation.recording = recording_->fileName();
     simulation.hasTimeline = recording_->hasTimeline();
     replay_->show(simulation);
-    if (showsNewData) {
+    if (showsNewData && !figures_->isDrawing()) {
       showLatestResults();
       replay_->drawPicture();
     }
+    if (showsNewData) figures_->draw(simulation);
+    plots_->drawPicture(simulation);
     recent_->update();
     window_->drawFrame(*renderer_, simulation);
   }
@@ -370,14 +380,6 @@ std::string Workstation::unsaved() {
   return text;
 }
 
-void Workstation::saveScreenshot() {
-  const auto file = saveViewScreenshot(*renderer_, window_->camera(), window_->viewWidth(), window_->viewHeight());
-  if (file)
-    panels_.notify(C3DE_LOG_INFO, "Screenshot saved", pathText(*file));
-  else
-    onFailed("The screenshot could not be saved", file.error());
-}
-
 void Workstation::onImageShown() {
   render::Camera &camera = window_->camera();
   if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
@@ -408,6 +410,8 @@ void Workstation::removeSimulation() {
   report_->end();
   session_->closeSimulation();
   measurements_->onRemoved();
+  figures_->onRemoved();
+  plots_->onRemoved();
   loadedFiles_.clear();
   warp_->setSettings({});
   images_->onBodiesRemoved();
@@ -445,6 +449,8 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
     images_->open(image.file, image.labels, image.series, image.time, WorkstationImages::Segmentation::image, true);
   else
     warp_->request();
+  figures_->onRemoved();
+  plots_->onRemoved();
   simulation_->applyTargetRate();
   recording_->end("Another simulation is open.");
   const ReplayController::Present present = replay_->onLoaded(loaded.session);
@@ -483,6 +489,7 @@ void Workstation::showLatestResults() {
   warp_->showLatest();
   tissueTable_->update();
   measurements_->update();
+  plots_->update();
   tissueSurfaces_->update(tracker);
   scene::Simulation *simulation = session_->simulation();
   if ((warp_->isBehind() || tracker.isBehind()) && simulation && simulation->state().mode != C3DE_SIM_PLAYING)

@@ -5,9 +5,9 @@
 #include <string>
 #include <system_error>
 
+#include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
-#include "c3de/render/renderer.h"
 
 namespace c3de::app {
 namespace {
@@ -31,9 +31,7 @@ fs::path freeName(const fs::path &folder) {
 
 }  // namespace
 
-Expected<fs::path> saveViewScreenshot(render::Renderer &renderer, const render::Camera &camera, int width, int height) {
-  const auto image = renderer.drawToImage(camera, width, height);
-  if (!image) return tl::unexpected(image.error());
+Expected<fs::path> writeScreenshotFile(const std::vector<char> &bytes) {
   std::error_code error;
   std::string reasons;
   for (const fs::path &folder : {fs::current_path(error) / "out", userDataDirectory() / "screenshots"}) {
@@ -43,7 +41,7 @@ Expected<fs::path> saveViewScreenshot(render::Renderer &renderer, const render::
       continue;
     }
     const fs::path file = freeName(folder);
-    const auto written = render::writePng(pathText(file), *image);
+    const auto written = writeWholeFile(file, {bytes.data(), bytes.size()});
     if (written) return file;
     reasons += (reasons.empty() ? "" : "; ") + written.error().message;
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "c3de/ui/commands.h"
+#include "c3de/ui/figure.h"
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/tissue_table.h"
 #include "c3de/ui/workstation_window.h"
@@ -81,6 +82,25 @@ struct CommandPalette {
   std::size_t chosen = 0;  ///< among those that match
 };
 
+/// The dialog that saves a figure.
+struct FigureDialog {
+  bool isShown = false, isFilled = false;  ///< filled: with the settings of last time
+  FigureSettings wanted;
+};
+
+/// The strip of curves below the views.
+struct PlotStrip {
+  bool isShown = false;
+  float height = 190.0f;  ///< logical pixels
+};
+
+/// What is drawn differently in a figure.
+struct FigureLook {
+  bool isLight = false;   ///< the 3D view
+  bool hasNotes = true;   ///< names, cross-hair, read-outs and axes
+  std::string caption{};  ///< in the 3D view, otherwise in the first slice; may be empty
+};
+
 /// Exists as long as the window.
 struct WindowState {
   TooltipTimer tooltip;
@@ -107,6 +127,8 @@ struct WindowState {
   StretchDialog stretch;
   ReportDialog report;
   CommandPalette palette;
+  FigureDialog figure;
+  PlotStrip plots;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
   AnchoredPanel sideRows;                 ///< of the side panel
   bool isSearchWanted = false;            ///< the search field of a panel receives the keyboard
@@ -135,7 +157,10 @@ struct FrameContext {
   double mouseX = 0.0, mouseY = 0.0;
   std::uint32_t mouseButtons = 0;
   bool isFocused = true;
+  const FigureLook *figure = nullptr;  ///< null: the window
 
+  [[nodiscard]] bool hasNotes() const { return !figure || figure->hasNotes; }
+  [[nodiscard]] bool isLight() const { return figure && figure->isLight; }
   void request(Command command) { commands.push_back(command); }
   /// The images if there is one to show, otherwise null.
   [[nodiscard]] ImageViews *shownImages() const {

@@ -209,6 +209,12 @@ void SliceView::zoom(double steps, double x, double y) {
   isFitted_ = false;
 }
 
+void SliceView::magnify(double factor) {
+  if (!(factor > 0.0)) return;
+  millimetresPerPixel_ = std::clamp(millimetresPerPixel_ / factor, kFinest_mm, kCoarsest_mm);
+  isFitted_ = false;
+}
+
 void SliceView::pan(double dx_px, double dy_px) {
   centre_ = centre_ - (dx_px * millimetresPerPixel_) * frame_.right - (dy_px * millimetresPerPixel_) * frame_.down;
   isFitted_ = false;

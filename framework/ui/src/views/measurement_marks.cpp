@@ -30,8 +30,9 @@ ImU32 faint(ImU32 tint, bool isNear) { return isNear ? tint : (tint & ~IM_COL32_
 
 void label(const MarkView &view, ImVec2 at, ImU32 tint, const std::string &text) {
   const float away = view.frame.theme.px(7.0f);
-  view.list->AddText(ImVec2(at.x + away + 1, at.y - away + 1), kTextShadow, text.c_str());
-  view.list->AddText(ImVec2(at.x + away, at.y - away), tint, text.c_str());
+  const bool isOnLight = view.frame.isLight() && !view.isInSlice;
+  if (!isOnLight) view.list->AddText(ImVec2(at.x + away + 1, at.y - away + 1), kTextShadow, text.c_str());
+  view.list->AddText(ImVec2(at.x + away, at.y - away), isOnLight ? IM_COL32(20, 23, 28, 255) : tint, text.c_str());
 }
 
 void drawPoint(const MarkView &view, const Vec3 &world, ImU32 tint, const std::string &text) {

@@ -127,7 +127,8 @@ void drawMarks(const SliceCanvas &canvas, const render::Renderer &renderer) {
 }
 
 void drawCrossHair(const SliceCanvas &canvas) {
-  const bool isShown = canvas.images.options().showsCrossHair && canvas.view.isOnSlice(canvas.images.crossHair());
+  const bool isShown = canvas.frame.hasNotes() && canvas.images.options().showsCrossHair &&
+                       canvas.view.isOnSlice(canvas.images.crossHair());
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".cross_hair",
                                 isShown ? "shown" : "hidden");
   if (!isShown) return;
@@ -167,7 +168,9 @@ void drawLetters(const SliceCanvas &canvas) {
 
 void drawScaleBar(const SliceCanvas &canvas) {
   const PixelRect &r = canvas.rect;
-  const ScaleBar bar = scaleBar(canvas.view.millimetresPerPixel(), 0.25 * r.w);
+  const double perPixel = canvas.view.millimetresPerPixel();
+  const ScaleBar bar =
+      canvas.frame.figure ? scaleBarInMillimetres(perPixel, 0.25 * r.w) : scaleBar(perPixel, 0.25 * r.w);
   if (bar.text.empty()) return;
   const auto length = static_cast<float>(bar.length_px);
   const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length,
@@ -236,6 +239,32 @@ void drawMissingLegend(const SliceCanvas &canvas) {
                    elided(text, r.w - 2 * edge - size - canvas.px(6.0f)));
 }
 
+/// Of a figure without a 3D view, in its first slice.
+void drawCaption(const SliceCanvas &canvas) {
+  const FigureLook *figure = canvas.frame.figure;
+  if (!figure || figure->caption.empty() || !canvas.frame.view.isEmpty()) return;
+  for (const Pane pane : kSlicePanes) {
+    if (canvas.frame.panes[static_cast<std::size_t>(pane)].isEmpty()) continue;
+    if (pane != canvas.pane) return;
+    break;
+  }
+  const PixelRect &r = canvas.rect;
+  const float edge = canvas.px(8.0f), line = 1.4f * ImGui::GetTextLineHeight();
+  const float above = canvas.images.handles().missing.isNull() ? 1.0f : 2.0f;
+  textOnBackground(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - canvas.readoutHeight() - above * line), kInk,
+                   figure->caption);
+}
+
+/// Left and right are a matter of safety: the convention is stated in every view whose orientation it changes.
+void drawConvention(const SliceCanvas &canvas) {
+  if (canvas.pane == Pane::sagittal) return;
+  const PixelRect &r = canvas.rect;
+  const std::string badge =
+      canvas.images.options().convention == Convention::radiological ? "radiological" : "neurological";
+  const float edge = canvas.px(8.0f);
+  shadowed(canvas.list, ImVec2(r.x + r.w - edge - ImGui::CalcTextSize(badge.c_str()).x, r.y + edge), kLetter, badge);
+}
+
 void drawTexts(const SliceCanvas &canvas) {
   const PixelRect &r = canvas.rect;
   const ImageOptions &options = canvas.images.options();
@@ -251,12 +280,6 @@ void drawTexts(const SliceCanvas &canvas) {
   if (canvas.images.isPicking())
     shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
              "click: this part (Esc: none)");
-  // Left and right are a matter of safety: the convention is stated in every view whose orientation it changes.
-  const std::string convention = options.convention == Convention::radiological ? "radiological" : "neurological";
-  const std::string badge = canvas.pane == Pane::sagittal ? std::string() : convention;
-  if (!badge.empty())
-    shadowed(canvas.list, ImVec2(r.x + r.w - edge - ImGui::CalcTextSize(badge.c_str()).x, r.y + edge), kLetter, badge);
-
   // Position under the mouse, otherwise the cross-hair.
   const bool isHere = r.contains(canvas.frame.mouseX, canvas.frame.mouseY);
   const Vec3 world =
@@ -279,7 +302,7 @@ void drawTexts(const SliceCanvas &canvas) {
 /// A small cross in the 3D view, in front of everything.
 void drawCrossInSpace(FrameContext &frame, const ImageViews &images) {
   const PixelRect &r = frame.view;
-  if (r.isEmpty() || !images.options().showsCrossHair) return;
+  if (r.isEmpty() || !images.options().showsCrossHair || !frame.hasNotes()) return;
   const auto pixelOf = [&](const Vec3 &world) {
     const Vec3 p = frame.camera.project(world, static_cast<int>(r.w), static_cast<int>(r.h));
     return std::pair(ImVec2(r.x + static_cast<float>(p[0]), r.y + static_cast<float>(p[1])), p[2]);
@@ -315,11 +338,14 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawScaleBar(canvas);
     drawOverlayLegend(canvas);
     drawMissingLegend(canvas);
-    drawTexts(canvas);
+    drawConvention(canvas);
+    if (frame.hasNotes()) drawTexts(canvas);
+    drawCaption(canvas);
     drawMarks(canvas, renderer);
     drawMeasurementsInSlice(canvas);
-    list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
-                  1.0f);
+    if (frame.hasNotes())
+      list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
+                    1.0f);
     list->PopClipRect();
   }
   if (!frame.view.isEmpty()) {

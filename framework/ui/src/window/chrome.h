@@ -52,6 +52,13 @@ void drawTimelineBar(FrameContext &frame, const PixelRect &area);
 void drawStretchDialog(FrameContext &frame);
 /// Dialog that saves a report about a problem, while it is open.
 void drawReportDialog(FrameContext &frame);
+/// Below the views while it is shown: curves over simulated time. 0 otherwise.
+[[nodiscard]] float plotStripHeight(const FrameContext &frame);
+void drawPlotStrip(FrameContext &frame, const PixelRect &area);
+/// Dialog that saves a figure, while it is open.
+void drawFigureDialog(FrameContext &frame);
+/// File > Screenshot size.
+void drawScreenshotMenu(FrameContext &frame);
 /// Shows state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 

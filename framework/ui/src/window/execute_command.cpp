@@ -128,7 +128,13 @@ void quitOrAsk(FrameContext &frame) {
 void resetLayout(FrameContext &frame) {
   frame.state.layout = {};
   frame.state.layout.resetSections = true;
+  frame.state.plots.height = PlotStrip().height;
   if (ImageViews *images = frame.shownImages()) images->setMaximised({});
+}
+
+void showPlots(FrameContext &frame, bool isShown) {
+  frame.state.plots.isShown = isShown;
+  if (frame.actions.plots.show) frame.actions.plots.show(isShown);
 }
 
 void transport(FrameContext &frame, std::uint32_t action) {
@@ -238,6 +244,10 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::saveState: openExportDialog(frame, command); break;
     case Command::stopRecording: call(frame.actions.stopRecording); break;
     case Command::showTimeline: call(frame.actions.showTimeline); break;
+    case Command::saveFigure:
+      frame.state.figure.isShown = true;
+      frame.state.figure.isFilled = false;
+      break;
     case Command::screenshot: call(frame.actions.screenshot); break;
     case Command::quit: quitOrAsk(frame); break;
     case Command::undo: frame.modes.undo(frame.above()); break;
@@ -259,6 +269,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::cutSagittal: images->cycleCut(Pane::sagittal); break;
     case Command::cutCoronal: images->cycleCut(Pane::coronal); break;
     case Command::searchPanel: frame.state.isSearchWanted = true; break;
+    case Command::showPlots: showPlots(frame, !frame.state.plots.isShown); break;
     case Command::resetLayout: resetLayout(frame); break;
     case Command::playPause:
       transport(frame,

@@ -25,6 +25,7 @@ bool isChecked(const FrameContext &frame, Command command) {
     case Command::onlySpace: return images && images->maximised() == Pane::space;
     case Command::crossHair: return images && images->options().showsCrossHair;
     case Command::windowLevelMode: return images && images->options().isWindowLevelMode;
+    case Command::showPlots: return frame.state.plots.isShown;
     case Command::cutAxial: return isCut(Pane::axial);
     case Command::cutSagittal: return isCut(Pane::sagittal);
     case Command::cutCoronal: return isCut(Pane::coronal);
@@ -57,6 +58,7 @@ void commandItems(FrameContext &frame, const std::string &menu) {
     if ((info.flags & beginsGroup) != 0) ImGui::Separator();
     commandItem(frame, info);
     if (info.command == Command::openLabels) drawRecentMenu(frame);
+    if (info.command == Command::screenshot) drawScreenshotMenu(frame);
   }
 }
 

@@ -25,6 +25,11 @@ bool section(FrameContext &frame, const std::string &area, const std::string &ti
   return isOpen;
 }
 
+/// In its next drawing.
+void openSection(const std::string &area, const std::string &title) {
+  ImGui::GetStateStorage()->SetInt(ImGui::GetID((title + "###" + area).c_str()), 1);
+}
+
 void sceneTree(FrameContext &frame) {
   scene::SceneGraph *scene = frame.services.scene;
   if (!scene) return;
@@ -88,7 +93,9 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
     ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
     if (section(frame, "measurements", "Measurements", false)) drawMeasurements(frame, *measurements);
   }
-  if (std::exchange(frame.state.isSearchWanted, false)) (void)panels.beginSearch(frame);
+  // Where all panels are folded, the first one is opened, and searched in the next frame.
+  bool opensPanel = frame.state.isSearchWanted && !panels.beginSearch(frame);
+  frame.state.isSearchWanted = false;
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.
     for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {
@@ -96,6 +103,10 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
       if (!found || found->isInView) continue;
       const registry::Panel panel = *found;
       ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
+      if (std::exchange(opensPanel, false)) {
+        openSection(panel.id, panel.title);
+        frame.state.isSearchWanted = true;
+      }
       const bool isOpen = section(frame, panel.id, panel.title, panel.open);
       if (isOpen) panels.draw(frame, panel);
     }

@@ -149,8 +149,10 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   const float top = menuHeight + toolbarHeight, middle = std::max(height - top - statusHeight, 1.0f);
   const float barHeight = std::min(regionBarHeight(context), middle - 1.0f);
   const float timelineHeight = std::min(timelineBarHeight(context), middle - barHeight - 1.0f);
+  const float plotsHeight =
+      std::min(plotStripHeight(context), std::max(std::floor(0.7f * (middle - barHeight - timelineHeight)), 0.0f));
   area = {sideWidth + grip, top + barHeight, std::max(width - sideWidth - grip, 1.0f),
-          middle - barHeight - timelineHeight};
+          middle - barHeight - timelineHeight - plotsHeight};
   layOutPanes();
   context.area = area;
   context.view = view;
@@ -164,7 +166,8 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawDock(context, {0, top + middle - dockHeight, sideWidth, dockHeight});
   drawSplitter(context, {sideWidth, top, grip, middle});
   drawRegionBar(context, {area.x, top, area.w, barHeight});
-  drawTimelineBar(context, {area.x, area.y + area.h, area.w, timelineHeight});
+  drawPlotStrip(context, {area.x, area.y + area.h, area.w, plotsHeight});
+  drawTimelineBar(context, {area.x, area.y + area.h + plotsHeight, area.w, timelineHeight});
   drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
   drawViewDecorations(context);
   drawSliceDecorations(context, renderer);
@@ -182,6 +185,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawMissingFiles(context);
   drawStretchDialog(context);
   drawReportDialog(context);
+  drawFigureDialog(context);
   drawQuestion(context);
 }
 
@@ -415,6 +419,10 @@ int WorkstationWindow::viewWidth() const {
 }
 int WorkstationWindow::viewHeight() const {
   return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).height;
+}
+
+double WorkstationWindow::viewsAspect() const {
+  return impl_->area.isEmpty() ? 1.0 : static_cast<double>(impl_->area.w / impl_->area.h);
 }
 
 std::optional<render::Image> WorkstationWindow::viewPicture() const {

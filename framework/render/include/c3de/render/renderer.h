@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -133,6 +134,19 @@ class Renderer {
     Colour top{0.16f, 0.18f, 0.22f, 1.0f}, bottom{0.05f, 0.06f, 0.08f, 1.0f};
   };
   virtual void setBackground(const Background &) = 0;
+
+  static constexpr double kLegendText_px = 18.0;  ///< height of the text of labels and legends
+
+  /// How a picture differs from what a window shows.
+  struct PictureStyle {
+    float scale = 1.0f;                    ///< pixels per pixel of text, lines and legends: 2 doubles their size; > 0
+    bool isLight = false;                  ///< legends have dark text on a light ground
+    bool isFinal = false;                  ///< draw() leaves no part coarse, whatever time it takes
+    std::optional<Background> background;  ///< instead of that of setBackground()
+  };
+  /// For draw() and drawToImage() from now on; {} restores that of windows. Not counted by changes(): no cached picture
+  /// is affected.
+  virtual void setPictureStyle(const PictureStyle &) {}
 
   /// Draws everything visible into the bound framebuffer, which needs a depth buffer; clears that region's depth.
   /// Leaves depth test, culling, blending and scissor off and nothing bound.

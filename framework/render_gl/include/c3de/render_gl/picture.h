@@ -13,4 +13,7 @@ namespace c3de::render {
 /// insufficient graphics memory.
 [[nodiscard]] Expected<Image> paintPicture(int width, int height, const std::function<void()> &paint);
 
+/// Longest side of such an image, pixels: the limit of the device. Needs a current OpenGL context.
+[[nodiscard]] int largestPictureSide();
+
 }  // namespace c3de::render

@@ -126,6 +126,10 @@ class MeasurementList {
   /// Number of kept times. At the limit every second one is dropped.
   [[nodiscard]] std::size_t sampleCount() const { return samples_.size(); }
   static constexpr std::size_t kMostSamples = 2000;
+  /// Of the last kept time; none: there is no past.
+  [[nodiscard]] std::optional<double> lastTime_s() const {
+    return samples_.empty() ? std::nullopt : std::optional(samples_.back().time_s);
+  }
 
   /// CSV of the table, and of all curves: a column each, the first is the time.
   [[nodiscard]] std::string tableCsv() const;

@@ -51,6 +51,8 @@ class SliceView {
   void setSize(int width, int height);
   /// Fits the whole image into the view; the slice does not change.
   void fit();
+  /// The whole image is in view, also after a change of size.
+  [[nodiscard]] bool isFitted() const { return isFitted_; }
   /// Shows the middle slice with the whole image in view.
   void reset();
 
@@ -80,6 +82,8 @@ class SliceView {
   /// The point under the pixel does not move. > 0: larger, by a tenth per step.
   void zoom(double steps, double x, double y);
   void pan(double dx_px, double dy_px);
+  /// About the middle of the view; 2 doubles the size of what is shown.
+  void magnify(double factor);
 
  private:
   void countSlices();

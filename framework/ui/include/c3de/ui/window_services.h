@@ -33,6 +33,7 @@ class MaskBrush;
 class MeasurementList;
 class MeasurementTools;
 struct MissingFiles;
+class PlotList;
 struct StartPage;
 
 /// What the window shows; must outlive its last drawFrame(). Null members show nothing.
@@ -55,6 +56,7 @@ struct WindowServices {
   MissingFiles *missingFiles = nullptr;                    ///< its dialog is drawn while it is shown
   MeasurementList *measurements = nullptr;                 ///< a section of the side panel, and marks in the views
   MeasurementTools *measurementTools = nullptr;            ///< unfinished measurements are drawn
+  PlotList *plots = nullptr;                               ///< curves of the strip below the views
 };
 
 }  // namespace c3de::ui

@@ -15,6 +15,7 @@
 #include "c3de/render/camera.h"
 #include "c3de/render/renderer.h"
 #include "c3de/ui/commands.h"
+#include "c3de/ui/figure.h"
 #include "c3de/ui/recent_files.h"
 #include "c3de/ui/stretch.h"
 #include "c3de/ui/window_services.h"
@@ -105,6 +106,20 @@ struct ReportContents {
   bool needsImage = false;          ///< without images the recording cannot be in it
 };
 
+/// Figures and screenshots.
+struct FigureActions {
+  std::function<FigureSettings()> settings;  ///< of the last figure
+  std::function<void(const FigureSettings &, const std::filesystem::path &)> save;
+  std::function<ScreenshotSize()> screenshotSize;
+  std::function<void(ScreenshotSize)> setScreenshotSize;
+};
+
+/// The strip of curves.
+struct PlotActions {
+  std::function<void(bool isShown)> show;                                     ///< values are gathered while it is shown
+  std::function<void(const std::filesystem::path &)> saveTable, savePicture;  ///< of the shown curves
+};
+
 /// Requests of the window to the program. Called on the main thread, in drawFrame().
 struct WindowActions {
   std::function<void(const OpenRequest &)> open;
@@ -116,6 +131,8 @@ struct WindowActions {
   std::function<std::vector<PluginEntry>()> plugins;
   std::function<void(const std::string &id, bool isOn)> switchPlugin;  ///< from the next start on
   std::function<void()> screenshot;
+  FigureActions figures;
+  PlotActions plots;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
@@ -218,6 +235,8 @@ class WorkstationWindow {
   /// Size of the 3D view in framebuffer pixels; size of all views while it is hidden.
   [[nodiscard]] int viewWidth() const;
   [[nodiscard]] int viewHeight() const;
+  /// Width / height of all views together.
+  [[nodiscard]] double viewsAspect() const;
   /// All views as last drawn, in framebuffer pixels, without texts. Empty: nothing was drawn yet, or not enough
   /// graphics memory.
   [[nodiscard]] std::optional<render::Image> viewPicture() const;
