@@ -151,7 +151,7 @@ Result<void> EmbeddedSimulation::readStatus() {
 }
 
 Result<c3de_embed_status> EmbeddedSimulation::status() {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::known);
   if (use.isRefused()) return use.refusal();
   c3de_embed_status out{};
   out.size = sizeof out;

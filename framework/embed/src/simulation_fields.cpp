@@ -161,10 +161,11 @@ Result<void> EmbeddedSimulation::fill(const BodyEntry &body, std::uint32_t on, c
 }
 
 Result<c3de_embed_array> EmbeddedSimulation::viewField(std::uint64_t index, std::uint32_t on, std::string_view name) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::known);
   if (use.isRefused()) return use.refusal();
   auto memory = fields_.find(std::tuple(index, on, name));
   if (memory == fields_.end() || memory->second.generation != generation_) {
+    const OwnEnvironment environment;
     const auto body = entryOf(index);
     if (!body) return tl::unexpected(body.error());
     const auto field = describe(**body, on, name);

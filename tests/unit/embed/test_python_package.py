@@ -52,6 +52,10 @@ class Running(unittest.TestCase):
             self.assertEqual(sim.state_hash, report_of_program(FALLING, "--until", "0.02")["state_hash"])
             self.assertGreaterEqual(sim.time, 0.02 - 1e-6)
 
+    def test_the_program_prints_the_folder_of_this_package(self):
+        printed = subprocess.run([os.environ["C3DE_PROGRAM"], "python-path"], check=True, text=True, capture_output=True).stdout
+        self.assertTrue(pathlib.Path(printed.strip(), "c3de").samefile(pathlib.Path(c3de.__file__).parent))
+
     def test_steps_are_counted(self):
         with c3de.open(FALLING) as sim:
             self.assertEqual(sim.step(3), 3)
