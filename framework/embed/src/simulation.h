@@ -82,6 +82,21 @@ class EmbeddedSimulation {
     std::uint32_t comps = 0;
     const char *unit = "";
   };
+  template <class Text>
+  struct FieldKey {
+    std::uint64_t body;
+    std::uint32_t on;
+    Text name;
+  };
+  /// Also of keys that only refer to a name.
+  struct FieldOrder {
+    using is_transparent = void;
+    template <class A, class B>
+    bool operator()(const A &a, const B &b) const {
+      using Parts = std::tuple<std::uint64_t, std::uint32_t, std::string_view>;
+      return Parts(a.body, a.on, a.name) < Parts(b.body, b.on, b.name);
+    }
+  };
   struct Described {
     std::string name, unit;
     std::uint32_t comps = 0;
@@ -130,7 +145,7 @@ class EmbeddedSimulation {
   std::vector<session::LiveParameters::Parameter> listed_;  ///< of parameterAt(); empty: not asked for
   std::vector<BodyEntry> bodies_;
   std::uint64_t bodiesGeneration_ = 0;
-  std::map<std::tuple<std::uint64_t, std::uint32_t, std::string>, FieldMemory, std::less<>> fields_;
+  std::map<FieldKey<std::string>, FieldMemory, FieldOrder> fields_;
   std::set<std::string, std::less<>> kept_;  ///< text that callers have
   std::string events_, report_;
 };

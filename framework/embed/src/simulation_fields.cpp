@@ -163,7 +163,7 @@ Result<void> EmbeddedSimulation::fill(const BodyEntry &body, std::uint32_t on, c
 Result<c3de_embed_array> EmbeddedSimulation::viewField(std::uint64_t index, std::uint32_t on, std::string_view name) {
   const Use use(*this, Use::Access::known);
   if (use.isRefused()) return use.refusal();
-  auto memory = fields_.find(std::tuple(index, on, name));
+  auto memory = fields_.find(FieldKey<std::string_view>{index, on, name});
   if (memory == fields_.end() || memory->second.generation != generation_) {
     const OwnEnvironment environment;
     const auto body = entryOf(index);
@@ -171,7 +171,8 @@ Result<c3de_embed_array> EmbeddedSimulation::viewField(std::uint64_t index, std:
     const auto field = describe(**body, on, name);
     if (!field) return tl::unexpected(field.error());
     const std::uint64_t rows = on == C3DE_EMBED_ON_POINTS ? (*body)->info.points : (*body)->info.surface_points;
-    if (memory == fields_.end()) memory = fields_.try_emplace(std::tuple(index, on, std::string(name))).first;
+    if (memory == fields_.end())
+      memory = fields_.try_emplace(FieldKey<std::string>{index, on, std::string(name)}).first;
     FieldMemory &to = memory->second;
     to.generation = 0;
     to.comps = (*field)->comps;
