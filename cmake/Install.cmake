@@ -1,6 +1,7 @@
 # What `cmake --install BUILD --component NAME --prefix PREFIX` puts where:
 #   runtime  the programs, the point-based plugin, that of the methods that studies compare with, the resources, the
 #            documentation, and the licences of all that is linked
+#   embed    libc3de with c3de/embed.h, the target c3de::embed, c3de-embed.pc, and the Python package; needs runtime
 #   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
 #   pointbased  the point-based core to link into programs of others: static library and headers; needs sdk for the package
 # ./run builds all that these components install (C3DE_PRODUCTS).
@@ -10,16 +11,20 @@ include(Licences)
 
 # The target `products` is what ./run builds: all that is installed, and the examples that guide and scenes name.
 # products.txt lists their files for tests/scripts/documented_commands.sh.
-set(C3DE_PRODUCTS c3de c3de_workstation c3de_study_mpi c3de_validate pointbased c3de_pointbased_core baselines
+set(C3DE_PRODUCTS c3de c3de_embed c3de_workstation c3de_study_mpi c3de_validate pointbased c3de_pointbased_core baselines
   hello clamp magnet mass_spring material_law mesh_reader image_samples)
 add_custom_target(products)
 set(files "")
+add_dependencies(products c3de_python)
 foreach(product IN LISTS C3DE_PRODUCTS)
   if(TARGET ${product})
     add_dependencies(products ${product})
     string(APPEND files "$<TARGET_FILE:${product}>\n")
   endif()
 endforeach()
+if(NOT WIN32)
+  string(APPEND files "$<TARGET_SONAME_FILE:c3de_embed>\n$<TARGET_LINKER_FILE:c3de_embed>\n")
+endif()
 file(GENERATE OUTPUT "${PROJECT_BINARY_DIR}/products$<$<BOOL:${CMAKE_CONFIGURATION_TYPES}>:-$<CONFIG>>.txt" CONTENT "${files}")
 
 # c3de_require_built(COMPONENT TARGET…)   what is installed next: where a file of it is missing, one message says what to type.
@@ -60,7 +65,7 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/resources/" DESTINATION share/c3de COMP
 
 # The folder has the layout of the source tree, so that links between pages hold.
 set(documents share/doc/c3de)
-foreach(component runtime sdk pointbased)
+foreach(component runtime sdk pointbased embed)
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/NOTICE" DESTINATION ${documents} COMPONENT ${component})
 endforeach()
 install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION ${documents} COMPONENT runtime)
@@ -68,6 +73,15 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION ${documents} COMPONEN
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs/plugin" DESTINATION ${documents}/docs COMPONENT sdk)
 c3de_install_licences(runtime ${documents}/licences)
 c3de_install_licences(pointbased ${documents}/licences eigen nanoflann meshoptimizer highway expected)
+
+c3de_require_built(embed c3de_embed)
+# In lib, whatever the machine calls its own folder of libraries: plugins and resources are found relative to it.
+install(TARGETS c3de_embed EXPORT C3DEEmbed LIBRARY DESTINATION lib COMPONENT embed RUNTIME DESTINATION lib COMPONENT embed
+  ARCHIVE DESTINATION lib COMPONENT embed FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT embed)
+install(FILES "${PROJECT_SOURCE_DIR}/framework/abi/include/c3de/abi/base.h"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/c3de/abi" COMPONENT embed)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/framework/embed/python/c3de" DESTINATION lib/python3/dist-packages COMPONENT embed
+  FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 
 set_target_properties(c3de_abi PROPERTIES EXPORT_NAME abi)
 set_target_properties(c3de_sdk PROPERTIES EXPORT_NAME sdk)
@@ -84,6 +98,9 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
 install(FILES "${PROJECT_BINARY_DIR}/C3DEConfig.cmake" "${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
   "${CMAKE_CURRENT_LIST_DIR}/AddPlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/plugin.version"
   DESTINATION "${package}" COMPONENT sdk)
+install(EXPORT C3DEEmbed NAMESPACE c3de:: DESTINATION "${package}" COMPONENT embed)
+install(FILES "${PROJECT_BINARY_DIR}/C3DEConfig.cmake" "${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
+  DESTINATION "${package}" COMPONENT embed)
 c3de_require_built(pointbased c3de_pointbased_core)
 set_target_properties(c3de_pointbased_core PROPERTIES EXPORT_NAME pointbased OUTPUT_NAME c3de_pointbased)
 install(TARGETS c3de_pointbased_core EXPORT C3DEPointBased
@@ -96,6 +113,8 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-pointbased.pc.in" "${PROJECT_BINA
 install(FILES "${PROJECT_BINARY_DIR}/c3de-pointbased.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
   COMPONENT pointbased)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/batch" DESTINATION share/c3de/examples COMPONENT pointbased)
+configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-embed.pc.in" "${PROJECT_BINARY_DIR}/c3de-embed.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/c3de-embed.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT embed)
 configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-sdk.pc.in" "${PROJECT_BINARY_DIR}/c3de-sdk.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/c3de-sdk.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT sdk)
 install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DIR}/plugins/hello/greeter.h"

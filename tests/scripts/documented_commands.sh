@@ -183,7 +183,7 @@ run_it() {
 
 install_all() {
   local prefix=$place/prefix name library
-  for name in runtime sdk pointbased; do
+  for name in runtime sdk pointbased embed; do
     cmake --install "$tree/build/release" --component $name --prefix "$prefix" >"$place/said" 2>&1 || fail "component $name: $(tail -n 5 "$place/said")"
   done
   for name in LICENSE NOTICE README.md CHANGELOG.md docs/user/index.md docs/plugin/index.md docs/theory/index.md; do
@@ -196,6 +196,12 @@ install_all() {
     done
   fi
   env -u DISPLAY C3DE_HOME="$place/home" "$prefix/bin/c3de" run "$prefix/share/c3de/scenes/first_light.toml" --steps 1 -q || fail "the installed program does not run"
+  # It finds plugins and resources from its own folder.
+  if command -v python3 >/dev/null; then
+    PYTHONPATH=$("$prefix/bin/c3de" python-path) C3DE_HOME="$place/home" python3 -c "
+import c3de
+with c3de.open('$prefix/share/c3de/scenes/first_light.toml') as sim: sim.step()" || fail "the installed Python package does not simulate"
+  fi
   rm "$tree/build/release/lib/c3de/study/baselines.so"
   if cmake --install "$tree/build/release" --component runtime --prefix "$place/incomplete" >"$place/said" 2>&1; then fail "an incomplete tree was installed"; fi
   grep -q "component runtime: baselines.so is not built; type: cmake --build .* --target products$" "$place/said" || fail "what to type was expected: $(cat "$place/said")"

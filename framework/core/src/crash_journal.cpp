@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "c3de/core/embedding.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "fatal_error.h"
@@ -228,6 +229,7 @@ void detail::onExit(const char *how) noexcept {
 }
 
 void reportPluginExits(int code) {
+  if (isGuest()) return;
   exitWatch.code = code;
   exitWatch.process = processId();
   exitWatch.mainThread = std::this_thread::get_id();

@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "c3de/core/assert.h"
+#include "c3de/core/embedding.h"
 
 namespace c3de {
 namespace {
@@ -45,6 +46,7 @@ spdlog::level::level_enum toSpdlog(LogLevel level) {
 }
 
 std::atomic<AssertHandler> assertHandler{nullptr};
+std::atomic<bool> isGuestOfOther{false};
 
 }  // namespace
 
@@ -60,6 +62,13 @@ void log(LogLevel level, std::string_view message) {
 }
 
 void setLogThreshold(LogLevel level) { logState().logger->set_level(toSpdlog(level)); }
+
+void becomeGuest() {
+  isGuestOfOther = true;
+  logState().logger->set_level(spdlog::level::off);
+}
+
+bool isGuest() { return isGuestOfOther.load(std::memory_order_relaxed); }
 
 void setLogListener(std::function<void(LogLevel, const std::string &)> listener) {
   LogState &state = logState();

@@ -25,6 +25,7 @@
 #include <thread>
 #include <utility>
 
+#include "c3de/core/embedding.h"
 #include "c3de/core/guarded_memory.h"
 #include "c3de/core/platform.h"
 #include "descriptors.h"
@@ -103,6 +104,35 @@ CodeRange DynamicLibrary::codeRange() const {
 std::filesystem::path executablePath() {
   std::error_code error;
   return std::filesystem::read_symlink("/proc/self/exe", error);
+}
+
+std::filesystem::path modulePath() {
+  // Asked once: a relative name holds only for the folder in which the library was loaded.
+  static const std::filesystem::path path = [] {
+    Dl_info info{};
+    link_map *map = nullptr;
+    // The program itself has an empty name there.
+    if (dladdr1(reinterpret_cast<const void *>(&modulePath), &info, reinterpret_cast<void **>(&map), RTLD_DL_LINKMAP) ==
+            0 ||
+        map == nullptr || map->l_name == nullptr || *map->l_name == '\0')
+      return executablePath();
+    std::error_code error;
+    std::filesystem::path found = std::filesystem::canonical(map->l_name, error);
+    return error ? executablePath() : found;
+  }();
+  return path;
+}
+
+OwnEnvironment::OwnEnvironment() {
+  static const locale_t c = newlocale(LC_ALL_MASK, "C", static_cast<locale_t>(nullptr));  // as long as the process
+  (void)std::fegetenv(&before_);
+  (void)std::fesetenv(FE_DFL_ENV);
+  if (c != static_cast<locale_t>(nullptr)) locale_ = uselocale(c);
+}
+
+OwnEnvironment::~OwnEnvironment() {
+  if (locale_ != nullptr) (void)uselocale(static_cast<locale_t>(locale_));
+  (void)std::fesetenv(&before_);
 }
 
 std::filesystem::path homeDirectory() { return environmentVariable("HOME"); }

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "c3de/core/embedding.h"
 #include "c3de/core/guarded_memory.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
@@ -136,6 +137,22 @@ std::filesystem::path executablePath() {
   path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
   return path;
 }
+
+std::filesystem::path modulePath() {
+  HMODULE module = nullptr;
+  constexpr DWORD kFlags = GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS | GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT;
+  if (GetModuleHandleExW(kFlags, reinterpret_cast<LPCWSTR>(&modulePath), &module) == 0) return executablePath();
+  std::wstring path(32768, L'\0');
+  path.resize(GetModuleFileNameW(module, path.data(), static_cast<DWORD>(path.size())));
+  return path;
+}
+
+OwnEnvironment::OwnEnvironment() {
+  (void)std::fegetenv(&before_);
+  (void)std::fesetenv(FE_DFL_ENV);
+}
+
+OwnEnvironment::~OwnEnvironment() { (void)std::fesetenv(&before_); }
 
 std::filesystem::path homeDirectory() { return knownFolder(FOLDERID_Profile); }
 std::filesystem::path userDataDirectory() { return folderOfUser(FOLDERID_LocalAppData, "data"); }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "c3de/core/embedding.h"
 #include "c3de/core/environment_faults.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
@@ -117,6 +118,7 @@ void reportChange(const char *owner, const char *what, const Describe &describe,
 }
 
 void restoreLocaleOf(const char *owner, const char *what) noexcept {
+  if (isGuest()) return;  // there is one locale for the process
   try {
     if (const std::string was = detail::restoreLocale(); !was.empty()) reportChange(owner, what, localeText, was);
   } catch (...) {  // no memory for the text

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "c3de/core/embedding.h"
 #include "c3de/core/platform.h"
 #include "c3de/plugin_host/load_rules.h"
 #include "c3de/plugin_host/plugin_host.h"
@@ -8,7 +9,7 @@
 namespace c3de::plugin_host {
 
 std::filesystem::path ownPluginFolder() {
-  return (executablePath().parent_path() / ".." / "lib" / "c3de" / "plugins").lexically_normal();
+  return (modulePath().parent_path() / ".." / "lib" / "c3de" / "plugins").lexically_normal();
 }
 
 std::vector<std::filesystem::path> defaultPluginFolders() {

@@ -4,8 +4,8 @@
 namespace c3de::app {
 namespace {
 
-constexpr const Command *kCommands[]{&kRunCommand,     &kReplayCommand,    &kInfoCommand,
-                                     &kPluginsCommand, &kNewPluginCommand, &kStudyCommand};
+constexpr const Command *kCommands[]{&kRunCommand,       &kReplayCommand, &kInfoCommand,      &kPluginsCommand,
+                                     &kNewPluginCommand, &kStudyCommand,  &kPythonPathCommand};
 
 }  // namespace
 

@@ -27,7 +27,8 @@ struct Command {
   Handler (*declare)(CLI::App &app, CommandLine &line);
 };
 
-extern const Command kRunCommand, kReplayCommand, kInfoCommand, kPluginsCommand, kNewPluginCommand, kStudyCommand;
+extern const Command kRunCommand, kReplayCommand, kInfoCommand, kPluginsCommand, kNewPluginCommand, kStudyCommand,
+    kPythonPathCommand;
 
 /// The program without a sub-command: opens a window.
 [[nodiscard]] Handler declareWorkstation(CLI::App &app, CommandLine &line);

@@ -26,6 +26,7 @@
 #include "c3de/session/progress_line.h"
 #include "c3de/session/recorder.h"
 #include "c3de/session/replay.h"
+#include "c3de/session/run_beginning.h"
 #include "c3de/session/sample_points.h"
 #include "c3de/session/saved_session.h"
 #include "c3de/session/simulation_state.h"
@@ -34,7 +35,6 @@
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
-#include "commands/run_beginning.h"
 #include "commands/run_landmarks.h"
 #include "commands/standard_output.h"
 #include "run_picture.h"
@@ -436,7 +436,12 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!options.exportSurface.empty())
     if (const auto writable = checkSurfaceExport(session.meshFormats(), options.exportSurface, {}); !writable)
       return tl::unexpected(writable.error());
-  const auto beginning = readBeginning(options, session);
+  ProgressLine reading(options.quiet);
+  const auto beginning = readBeginning(options, session, [&reading](double fraction, const std::string &what) {
+    reading.update(fraction, what);
+    return !wasInterrupted();
+  });
+  reading.finish();
   if (!beginning) return tl::unexpected(beginning.error());
   const auto &[saved, files, replay, source] = *beginning;
   const SharedScene scene = std::get<SharedScene>(source.front());

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "c3de/core/platform.h"
+#include "c3de/core/embedding.h"
 #include "c3de/scene/scene_file.h"
 
 namespace c3de::session {
@@ -15,7 +15,7 @@ constexpr const char *kHeadScan = "/usr/share/mricron/templates/ch2.nii.gz";
 }  // namespace
 
 Expected<std::filesystem::path> findResource(const std::filesystem::path &name) {
-  const std::filesystem::path programFolder = executablePath().parent_path();
+  const std::filesystem::path programFolder = modulePath().parent_path();
   const std::array folders{programFolder / ".." / "share" / "c3de", programFolder / C3DE_SOURCE_RESOURCES};
   std::string searched;
   for (const std::filesystem::path &folder : folders) {

@@ -6,12 +6,12 @@
 #include <cstdio>
 
 #include "c3de/core/platform.h"
-#include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/force_fields.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
+#include "c3de/session/simulation_step.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/step_limit.h"
 
@@ -203,9 +203,8 @@ bool HeadlessRun::endsByLimit() {
 Expected<c3de_status> HeadlessRun::timedStep(scene::Simulation &simulation, const char *owner, double &step_s) {
   const double cpuBegin_s = processorTime_s();
   const Clock::time_point begin = Clock::now();
-  if (const auto ready = simulation.beginStep(); !ready) return tl::unexpected(ready.error());
-  const c3de_status code = callPluginFunction(owner, "a step of the simulation", CallKind::step,
-                                              [this] { return table_->step(simulator_); });
+  const auto code = makeStep(simulation, owner);
+  if (!code) return code;
   step_s = std::chrono::duration<double>(Clock::now() - begin).count();
   facts_.wall_s += step_s;
   facts_.cpu_s += processorTime_s() - cpuBegin_s;
@@ -271,10 +270,8 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
     }
     if (*code < 0) {
       const std::string reason = session_.plugins().takeError();
-      const std::string step = "step " + std::to_string(stepsBefore + 1);
       endWith(*code == C3DE_E_DIVERGED ? "diverged" : "failed",
-              (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") +
-                  " failed: " + (reason.empty() ? "status " + std::to_string(*code) : reason));
+              stepFailure(stepsBefore, timeBefore_s, isQuasistatic(), *code, reason));
       break;
     }
     facts_.stepTimes.add(1e3 * step_s);

@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "app.h"
+#include "c3de/core/progress.h"
 #include "c3de/session/replay.h"
 #include "c3de/session/run_options.h"
 #include "c3de/session/saved_session.h"
 #include "c3de/session/session.h"
 
-namespace c3de::app {
+namespace c3de::session {
 
 /// What a run begins with.
 struct RunBeginning {
@@ -22,6 +22,8 @@ struct RunBeginning {
 };
 
 /// Reads the scene, mesh, session or recording of a run. Errors name the file, and for scenes the line.
-[[nodiscard]] Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session);
+/// @param progress  of the files of a session
+[[nodiscard]] Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session,
+                                                   const ProgressFn &progress);
 
-}  // namespace c3de::app
+}  // namespace c3de::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/run_beginning.h"
+#include "c3de/session/run_beginning.h"
 
 #include <utility>
 
@@ -7,24 +7,9 @@
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/session/file_kind.h"
-#include "c3de/session/interrupt.h"
-#include "c3de/session/progress_line.h"
 
-namespace c3de::app {
+namespace c3de::session {
 namespace {
-
-/// Files of the session that is continued.
-Expected<std::vector<FoundFile>> readFiles(const RunOptions &options, const SessionFile &saved) {
-  ProgressLine line(options.quiet);
-  auto files = filesOfSession(saved, options.scene,
-                              [&](double fraction, const std::string &what) {
-                                line.update(fraction, what);
-                                return !wasInterrupted();
-                              },
-                              {{}, options.search});
-  line.finish();
-  return files;
-}
 
 /// @param first  first scene of the session that is continued; null: none
 Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::SceneFile *first,
@@ -32,6 +17,8 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Sce
   Expected<scene::SceneFile> scene;
   if (first != nullptr) {
     scene = *first;
+  } else if (!options.sceneText.empty()) {
+    scene = scene::parseScene(options.sceneText, options.scene, &materials);
   } else if (scene::isScenePath(options.scene)) {
     scene = scene::loadScene(options.scene, &materials);
   } else {
@@ -61,7 +48,7 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Sce
 
 }  // namespace
 
-Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session) {
+Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session, const ProgressFn &progress) {
   RunBeginning beginning;
   if (options.isReplay) {
     auto recording = readRecording(options.scene);
@@ -82,7 +69,7 @@ Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session
     return fail(ErrorCode::usage, "--search is for sessions (.c3de)");
   }
   if (beginning.saved) {
-    auto files = readFiles(options, *beginning.saved);
+    auto files = filesOfSession(*beginning.saved, options.scene, progress, {{}, options.search});
     if (!files) return tl::unexpected(files.error());
     beginning.files = std::move(*files);
     auto source = sourceOfSession(*beginning.saved, options.scene, beginning.files, &session.materials());
@@ -98,4 +85,4 @@ Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session
   return beginning;
 }
 
-}  // namespace c3de::app
+}  // namespace c3de::session

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulations of C3DE in Python. Units are SI: m, kg, s, N, Pa.
+
+    import c3de
+    with c3de.open("liver.toml", **{"body.liver.youngs_modulus": 6e3}) as sim:
+        sim.run(until=0.5)
+        u = sim.body("liver").points.field("displacement")   # (n, 3), m
+
+Arrays need numpy (Debian package python3-numpy); everything else works without it. Errors are c3de.Error with the text of the
+program. Any thread may call; calls to one simulation wait for each other.
+"""
+
+from ._library import Error, version
+from ._scene import Scene
+from ._simulation import Body, Event, Hold, Parameter, PointSet, Simulation, Status, Surface, open
+from ._sweep import SweepRow, sweep
+
+__version__ = version()
+__all__ = ["Body", "Error", "Event", "Hold", "Parameter", "PointSet", "Scene", "Simulation", "Status", "Surface",
+           "SweepRow", "open", "sweep", "version"]

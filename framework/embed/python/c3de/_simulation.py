@@ -1,0 +1,576 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulations, their bodies and holds."""
+
+import ctypes as c
+import json
+import os
+import sys
+import threading
+import weakref
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
+
+from . import _library as _l
+from ._library import Error, check, lib
+
+if TYPE_CHECKING:
+    import numpy
+
+Value = Union[float, int, bool, str, Sequence[float]]
+Path = Union[str, "os.PathLike[str]"]
+
+_POLL_S = 0.05  # between two looks for Ctrl-C
+_SHORT_S = 0.02  # calls that are expected to be shorter run on the calling thread
+
+
+class Status(NamedTuple):
+    """State of a simulation."""
+    steps: int          #: since the initial state
+    time: float         #: simulated, s; 0 of a quasi-static solution
+    dt: float           #: size of the next step, s
+    bodies: int
+    stopped: int        #: bodies that stay in their last good state
+    finished: bool      #: nothing changes any more
+    quasistatic: bool   #: steps increase the load
+    wall: float         #: wall time spent in steps, s
+
+
+class Parameter(NamedTuple):
+    """What can be read and set while the simulation exists."""
+    path: str
+    unit: str           #: SI; empty: none
+    label: str
+    meaning: str
+    accepted: str       #: "0 < value < 0.5"
+
+
+class Event(NamedTuple):
+    """Something that happened while the simulation ran."""
+    time: float         #: simulated, s
+    kind: str
+    text: str
+
+
+def _text(value: Value) -> str:
+    """A value as after `--set PATH=`."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int):
+        return str(value)
+    if hasattr(value, "__len__") or hasattr(value, "__iter__"):
+        return "[" + ", ".join(_text(one) for one in value) + "]"  # type: ignore[union-attr]
+    return repr(float(value))  # type: ignore[arg-type]
+
+
+def _vector(values: Sequence[float], name: str) -> Any:
+    numbers = [float(value) for value in values]
+    if len(numbers) != 3:
+        raise Error("%s has %d numbers; accepted: 3" % (name, len(numbers)), _l.E_ARG)
+    return (c.c_double * 3)(*numbers)
+
+
+def _file(path: Path) -> bytes:
+    return os.fspath(path).encode()
+
+
+class _Work:
+    """A call that takes long, on a thread of its own: Ctrl-C reaches the waiting thread."""
+
+    def __init__(self, call: Callable[[], None], cancel: Callable[[], None]):
+        self._call, self._cancel = call, cancel
+        self._error: Optional[BaseException] = None
+        self._done = threading.Event()
+
+    def _run(self) -> None:
+        try:
+            self._call()
+        except BaseException as error:  # passed on by wait()
+            self._error = error
+        finally:
+            self._done.set()
+
+    def wait(self) -> None:
+        if threading.current_thread() is not threading.main_thread():
+            self._call()  # signals are for the main thread
+            return
+        thread = threading.Thread(target=self._run, name="c3de", daemon=True)
+        interrupt: Optional[BaseException] = None
+        thread.start()
+        while True:
+            try:
+                if self._done.wait(_POLL_S):
+                    break
+                if interrupt is not None:
+                    self._cancel()
+            except BaseException as error:  # KeyboardInterrupt, or what another handler raises
+                interrupt = interrupt or error
+                self._cancel()
+        thread.join()
+        if interrupt is not None:
+            raise interrupt
+        if self._error is not None:
+            raise self._error
+
+
+class _Bar:
+    """Progress on stderr: a bar on a terminal, nothing elsewhere."""
+
+    def __init__(self, show: Union[bool, Callable[[float, str], Any]]):
+        self._show = show
+        self._open = False
+
+    def __call__(self, fraction: float, text: str) -> bool:
+        if callable(self._show):
+            return self._show(fraction, text) is False
+        if self._show and sys.stderr.isatty():
+            part = min(max(fraction, 0.0), 1.0)
+            sys.stderr.write("\r[%-30s] %3d %%  %s\x1b[K" % ("#" * int(30 * part), int(100 * part), text))
+            sys.stderr.flush()
+            self._open = True
+        return False
+
+    def finish(self) -> None:
+        if self._open:
+            sys.stderr.write("\n")
+
+
+def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: Union[bool, Callable] = False,
+         threads: int = 0, plugins: Sequence[Path] = (), plugin_folders: Sequence[Path] = (),
+         search_plugins: bool = True, **values: Value) -> "Simulation":
+    """Builds the simulation of a scene (.toml), a session (.c3de) or a mesh.
+
+    text: a scene as TOML that is read instead of the file; relative paths are those of the folder of `path`, or of the
+    current folder. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on another
+    thread. threads: that compute, 0: as many as the machine has. values: as `c3de run --set`, by PATH, with
+    `**{"body.liver.youngs_modulus": 6e3}` (Pa). Ctrl-C cancels.
+
+    Raises Error: the file, line, value and what is accepted.
+    """
+    file = _file(path) if path is not None else None
+    if file is None and text is None:
+        raise Error("path and text are missing; accepted: one of them at least", _l.E_ARG)
+    assign = ["%s=%s" % (key, _text(value)) for key, value in values.items()]
+    files, folders = [os.fspath(p) for p in plugins], [os.fspath(p) for p in plugin_folders]
+    cancelled = threading.Event()
+    raised: List[BaseException] = []
+    bar = _Bar(progress)
+
+    def report(_self: Any, fraction: float, what: bytes) -> int:
+        try:
+            return int(bar(fraction, what.decode(errors="replace")) or cancelled.is_set())
+        except BaseException as error:  # of a function of the caller
+            raised.append(error)
+            return 1
+
+    options = _l.Options(flags=0 if search_plugins else _l.NO_PLUGIN_SEARCH, file=file,
+                         text=text.encode() if text is not None else None, assign=_l.texts(assign),
+                         assign_n=len(assign), plugin_files=_l.texts(files), plugin_files_n=len(files),
+                         plugin_folders=_l.texts(folders), plugin_folders_n=len(folders), threads=threads,
+                         progress=_l.PROGRESS(report))
+    handle = c.c_uint64()
+
+    def call() -> None:
+        try:
+            check(lib.c3de_embed_open(c.byref(options), c.byref(handle)))
+        except Error:
+            if raised:
+                raise raised[0]
+            raise
+
+    try:
+        _Work(call, cancelled.set).wait()
+    except BaseException:
+        if handle.value:  # it was complete before the interrupt
+            lib.c3de_embed_close(handle)
+        raise
+    finally:
+        bar.finish()
+    return Simulation(handle.value, os.fspath(path) if path is not None else "text")
+
+
+class Simulation:
+    """One simulation; made by c3de.open(). A context manager: closed at its end.
+
+    sim[path] reads a parameter and sim[path] = value sets it, by the paths of `c3de run --set`; a number has the SI unit that
+    parameters() names.
+    """
+
+    def __init__(self, handle: int, name: str):
+        self._handle = handle
+        self._name = name
+        self._step_s: Optional[float] = None
+        self._kept: Any = None  #: what must exist as long as the simulation
+        self._comps: Dict[Tuple[int, int, str], int] = {}
+        self._finalizer = weakref.finalize(self, lib.c3de_embed_close, handle)
+
+    def close(self) -> None:
+        """Ends the simulation; a run of another thread is cancelled. Arrays stay valid. May be called twice."""
+        if self._finalizer.detach() is not None:
+            check(lib.c3de_embed_close(self._handle))
+
+    def __enter__(self) -> "Simulation":
+        return self
+
+    def __exit__(self, *_exception: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        if not self._finalizer.alive:
+            return "<c3de.Simulation %r, closed>" % self._name
+        now = self.status
+        return "<c3de.Simulation %r, %d bodies, step %d, %g s>" % (self._name, now.bodies, now.steps, now.time)
+
+    # Running
+
+    @property
+    def status(self) -> Status:
+        """Steps, time and what else the simulator states about itself."""
+        out = _l.StatusStruct()
+        check(lib.c3de_embed_get_status(self._handle, c.byref(out)))
+        return Status(out.steps, out.time_s, out.dt_s, out.bodies, out.stopped, bool(out.flags & _l.FINISHED),
+                      bool(out.flags & _l.LOAD_STEPS), out.wall_s)
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.status.time
+
+    @property
+    def steps(self) -> int:
+        """Steps since the initial state."""
+        return self.status.steps
+
+    @property
+    def state_hash(self) -> str:
+        """16 hexadecimal digits over all that the next steps follow from; as in the report of `c3de run`."""
+        out = c.c_uint64()
+        check(lib.c3de_embed_state_hash(self._handle, c.byref(out)))
+        return "%016x" % out.value
+
+    def step(self, n: int = 1) -> int:
+        """Makes up to n steps and returns how many: fewer where nothing changes any more. Ctrl-C cancels.
+
+        Raises Error: a step failed (kind "diverged", "time limit", …); the state before it is kept.
+        """
+        if n < 0:
+            raise Error("n is %d; accepted: >= 0" % n, _l.E_ARG)
+        done = c.c_uint64()
+
+        def call() -> None:
+            check(lib.c3de_embed_step(self._handle, n, c.byref(done)))
+
+        if self._step_s is not None and n * self._step_s < _SHORT_S:
+            call()
+            return done.value
+        before = self.status.wall
+        try:
+            _Work(call, self.cancel).wait()
+        finally:
+            if done.value:
+                self._step_s = (self.status.wall - before) / done.value
+        return done.value
+
+    def run(self, until: Optional[float] = None, *, steps: Optional[int] = None,
+            progress: Union[bool, Callable[[float, str], Any]] = False) -> "Simulation":
+        """Runs to a simulated time (s), for a number of steps, or to whichever is first; without both, until nothing changes
+        or for 1 s. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on another
+        thread, several times a second, and may read the simulation. Ctrl-C cancels; the state stays complete.
+
+        Raises Error: as step(); kind "diverged" also where bodies have stopped early; kind "cancelled".
+        """
+        if until is not None and not until > 0.0:
+            raise Error("until is %s s; accepted: > 0" % until, _l.E_ARG)
+        if steps is not None and steps <= 0:
+            raise Error("steps is %d; accepted: > 0" % steps, _l.E_ARG)
+        bar = _Bar(progress)
+        raised: List[BaseException] = []
+
+        def stepped(_self: Any, status: Any, fraction: float) -> int:
+            try:
+                return int(bar(fraction, "%g s, step %d" % (status.contents.time_s, status.contents.steps)))
+            except BaseException as error:  # of a function of the caller
+                raised.append(error)
+                return 1
+
+        options = _l.RunOptions(max_steps=steps or 0, until_s=until or 0.0, stepped_every_s=_POLL_S)
+        if progress:
+            options.stepped = _l.STEPPED(stepped)
+
+        def call() -> None:
+            try:
+                check(lib.c3de_embed_run(self._handle, c.byref(options)))
+            except Error:
+                if raised:
+                    raise raised[0]
+                raise
+
+        try:
+            _Work(call, self.cancel).wait()
+        finally:
+            bar.finish()
+        return self
+
+    def cancel(self) -> None:
+        """Ends the step or run of another thread, which then raises Error of kind "cancelled"; without one, no effect."""
+        lib.c3de_embed_cancel(self._handle)
+
+    def reset(self) -> None:
+        """Returns to the initial state, bit for bit."""
+        check(lib.c3de_embed_reset(self._handle))
+
+    # Parameters
+
+    def __getitem__(self, path: str) -> Union[float, int, bool, str, Tuple[float, float, float]]:
+        out = _l.ValueStruct()
+        check(lib.c3de_embed_get(self._handle, path.encode(), c.byref(out)))
+        if out.type == _l.NUMBER:
+            return out.number
+        if out.type == _l.INTEGER:
+            return int(out.number)
+        if out.type == _l.BOOL:
+            return out.number != 0.0
+        if out.type == _l.VECTOR:
+            return (out.vector[0], out.vector[1], out.vector[2])
+        return out.text.decode()
+
+    def __setitem__(self, path: str, value: Value) -> None:
+        check(lib.c3de_embed_set(self._handle, path.encode(), _text(value).encode()))
+
+    def parameters(self) -> List[Parameter]:
+        """All parameters that can be read and set now."""
+        count = c.c_uint64()
+        check(lib.c3de_embed_parameter_count(self._handle, c.byref(count)))
+        found = []
+        for index in range(count.value):
+            out = _l.ParameterStruct()
+            check(lib.c3de_embed_parameter_at(self._handle, index, c.byref(out)))
+            found.append(Parameter(*(text.decode() for text in (out.path, out.unit, out.label, out.meaning,
+                                                                 out.accepted))))
+        return found
+
+    # Bodies
+
+    def body(self, name: str) -> "Body":
+        """The body with a name. Raises Error of kind "not found", with the names that there are."""
+        index = c.c_uint64()
+        check(lib.c3de_embed_find_body(self._handle, name.encode(), c.byref(index)))
+        return Body(self, index.value)
+
+    @property
+    def bodies(self) -> List["Body"]:
+        """All bodies, in the order of the scene."""
+        return [Body(self, index) for index in range(self.status.bodies)]
+
+    # Events, report, states
+
+    def _json(self, function: Any) -> Any:
+        out = c.c_char_p()
+        check(function(self._handle, c.byref(out)))
+        return json.loads((out.value or b"null").decode())
+
+    def events(self) -> List[Event]:
+        """What happened while it ran."""
+        return [Event(one.get("time_s", 0.0), one.get("kind", ""), one.get("text", ""))
+                for one in self._json(lib.c3de_embed_events)]
+
+    def report(self) -> Dict[str, Any]:
+        """The report of `c3de run --report` about the present state, without measurements and volumes of skins."""
+        return self._json(lib.c3de_embed_report)
+
+    def save_state(self, file: Path) -> None:
+        """Writes the state to a file. Raises Error: the file cannot be written."""
+        check(lib.c3de_embed_save_state(self._handle, _file(file)))
+
+    def load_state(self, file: Path) -> None:
+        """Returns to a state that was saved of the same scene, bit for bit. On an Error nothing has changed."""
+        check(lib.c3de_embed_load_state(self._handle, _file(file)))
+
+    def save_session(self, file: Path) -> None:
+        """Writes scene, changes and state as a session (.c3de), for the window, `c3de run` and c3de.open()."""
+        check(lib.c3de_embed_save_session(self._handle, _file(file)))
+
+
+class Body:
+    """A body of a simulation."""
+
+    def __init__(self, simulation: Simulation, index: int):
+        self.simulation = simulation
+        self._index = index
+
+    def _info(self) -> Any:
+        out = _l.BodyStruct()
+        check(lib.c3de_embed_body_at(self.simulation._handle, self._index, c.byref(out)))
+        return out
+
+    @property
+    def name(self) -> str:
+        return self._info().name.decode()
+
+    @property
+    def mass(self) -> float:
+        """kg"""
+        return self._info().mass_kg
+
+    @property
+    def volume(self) -> float:
+        """At rest, m³."""
+        return self._info().volume_m3
+
+    @property
+    def spacing(self) -> float:
+        """Of its points, m."""
+        return self._info().spacing_m
+
+    @property
+    def points(self) -> "PointSet":
+        """What carries the mass."""
+        return PointSet(self, _l.ON_POINTS)
+
+    @property
+    def surface(self) -> "Surface":
+        """What is seen and touched."""
+        return Surface(self, _l.ON_SURFACE)
+
+    def hold(self, at: Sequence[float], radius: float, *, keep_shape: bool = False, frequency: float = 0.0,
+             damping_ratio: float = 0.0, max_force: float = 0.0) -> "Hold":
+        """Springs to what is in a ball about `at` (m, as the body is now) with `radius` (m). They pull it towards a target:
+        Hold.pull(). keep_shape: what is held keeps its shape; else only its mean is led. frequency (Hz), damping_ratio
+        (1: critical) and max_force (N) are chosen where they are 0. A context manager: released at its end."""
+        options = _l.HoldStruct(flags=_l.HOLD_SHAPE if keep_shape else 0, at_m=_vector(at, "at"), radius_m=radius,
+                                frequency_hz=frequency, damping_ratio=damping_ratio, max_force_N=max_force)
+        out = c.c_uint64()
+        check(lib.c3de_embed_hold_body(self.simulation._handle, self._index, c.byref(options), c.byref(out)))
+        return Hold(self.simulation, out.value)
+
+    def __repr__(self) -> str:
+        info = self._info()
+        return "<c3de.Body %r, %d points, %d triangles, %g kg>" % (info.name.decode(), info.points, info.triangles,
+                                                                   info.mass_kg)
+
+
+class PointSet:
+    """Points of a body and the fields at them. An array is a read-only snapshot with memory of its own: it stays valid and
+    unchanged after further steps and after the simulation is closed."""
+
+    def __init__(self, body: Body, on: int):
+        self.body = body
+        self._on = on
+
+    def __len__(self) -> int:
+        info = self.body._info()
+        return info.points if self._on == _l.ON_POINTS else info.surface_points
+
+    def _fields(self) -> Iterator[Any]:
+        index = 0
+        while True:
+            out = _l.FieldStruct()
+            status = lib.c3de_embed_field_at(self.body.simulation._handle, self.body._index, self._on, index, c.byref(out))
+            if status == _l.E_NOT_FOUND and index > 0:
+                return
+            check(status)
+            yield out
+            index += 1
+
+    @property
+    def fields(self) -> Dict[str, str]:
+        """Names and SI units ("1" for a ratio)."""
+        return {out.name.decode(): out.unit.decode() for out in self._fields()}
+
+    def field(self, name: str) -> "numpy.ndarray":
+        """A field as it is now: (n,), (n, 3) for a vector, (n, 9) for a matrix (column-major), f64; unit: fields[name].
+
+        Raises Error of kind "not found", with the names that there are; "unsupported" without numpy.
+        """
+        numpy = _l.numpy_module()
+        simulation, index = self.body.simulation, self.body._index
+        known = simulation._comps.get((index, self._on, name))
+        if known is None:
+            known = next((out.comps for out in self._fields() if out.name.decode() == name), 0)
+            if known:
+                simulation._comps[(index, self._on, name)] = known
+        rows = len(self)
+        array = numpy.empty((rows,) if known <= 1 else (rows, known))
+        check(lib.c3de_embed_read_field(simulation._handle, index, self._on, name.encode(), array.ctypes.data,
+                                        array.nbytes))
+        array.flags.writeable = False
+        return array
+
+    @property
+    def position(self) -> "numpy.ndarray":
+        """(n, 3), m"""
+        return self.field("position")
+
+    def __repr__(self) -> str:
+        return "<c3de.%s of %r, %d points>" % (type(self).__name__, self.body.name, len(self))
+
+
+class Surface(PointSet):
+    """The surface of a body: points and triangles."""
+
+    @property
+    def vertices(self) -> "numpy.ndarray":
+        """Positions of its points: (n, 3), m."""
+        return self.field("position")
+
+    @property
+    def triangles(self) -> "numpy.ndarray":
+        """Indices of vertices, outwards by the right-hand rule: (m, 3), u32."""
+        numpy = _l.numpy_module()
+        out = _l.ArrayStruct()
+        check(lib.c3de_embed_view_triangles(self.body.simulation._handle, self.body._index, c.byref(out)))
+        return _copy(numpy, out)
+
+
+class Hold:
+    """Springs that hold a part of a body; made by Body.hold()."""
+
+    def __init__(self, simulation: Simulation, handle: int):
+        self.simulation = simulation
+        self._handle = handle
+        self._open = True
+
+    def pull(self, target: Sequence[float]) -> None:
+        """Where the named point is pulled to from now on (m)."""
+        check(lib.c3de_embed_pull(self.simulation._handle, self._handle, _vector(target, "target")))
+
+    def _state(self) -> Any:
+        out = _l.HoldStateStruct()
+        check(lib.c3de_embed_hold_read(self.simulation._handle, self._handle, c.byref(out)))
+        return out
+
+    @property
+    def force(self) -> Tuple[float, float, float]:
+        """Of the last step, on the body, N."""
+        return tuple(self._state().force_N)
+
+    @property
+    def point(self) -> Tuple[float, float, float]:
+        """Where the named point is, m."""
+        return tuple(self._state().point_m)
+
+    def release(self) -> None:
+        """Ends it. May be called twice."""
+        if self._open:
+            self._open = False
+            check(lib.c3de_embed_release(self.simulation._handle, self._handle))
+
+    def __enter__(self) -> "Hold":
+        return self
+
+    def __exit__(self, *_exception: Any) -> None:
+        self.release()
+
+
+def _copy(numpy: Any, view: Any) -> Any:
+    rows, comps = view.shape[0], view.shape[1]
+    dtype = numpy.float64 if view.dtype == _l.F64 else numpy.uint32
+    shape = (rows,) if view.rank == 1 else (rows, comps)
+    if rows == 0:
+        array = numpy.empty(shape, dtype)
+    else:
+        nbytes = view.strides[0] * (rows - 1) + dtype().itemsize * comps
+        memory = (c.c_char * nbytes).from_address(view.data)
+        array = numpy.ndarray(shape, dtype, memory, strides=tuple(view.strides)[:view.rank]).copy()
+    array.flags.writeable = False
+    return array

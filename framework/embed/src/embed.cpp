@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+// The functions of c3de/embed.h: arguments, handles, errors. No exception leaves them.
+#include "c3de/embed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+
+#include "c3de/core/assert.h"
+#include "c3de/core/embedding.h"
+#include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/plugin_call.h"
+#include "c3de/core/text.h"
+#include "simulation.h"
+
+namespace c3de::embed {
+namespace {
+
+std::string &lastError() {
+  thread_local std::string text;
+  return text;
+}
+
+/// All open simulations. Never destroyed: the process may end while threads run.
+struct Table {
+  std::mutex mutex;
+  std::unordered_map<c3de_sim, std::shared_ptr<EmbeddedSimulation>> open;
+  c3de_sim last = 0;
+};
+
+/// The first call makes this library a guest of the process.
+Table &table() {
+  static Table *const made = [] {
+    becomeGuest();
+    // Of a broken precondition the caller receives a status.
+    setAssertHandler([](const char *condition, const char *text, const char *file, int line) {
+      throw std::logic_error(fmt::format("{} ({}) at {}:{}", text, condition, file, line));
+    });
+    return new Table;
+  }();
+  return *made;
+}
+
+c3de_status report(const Failure &failure) {
+  lastError() = failure.text;
+  return failure.code;
+}
+
+/// Runs a function that returns Result<void>; its failure becomes status and text.
+template <class F>
+c3de_status guarded(const F &f) noexcept {
+  try {
+    lastError().clear();
+    const Result<void> done = f();
+    return done ? C3DE_OK : report(done.error());
+  } catch (const std::bad_alloc &) {
+    lastError().clear();
+    return C3DE_E_NOMEM;
+  } catch (...) {
+    try {
+      lastError() = textOfException();
+    } catch (...) {  // no memory for the text
+    }
+    return C3DE_E_EXCEPTION;
+  }
+}
+
+Result<std::shared_ptr<EmbeddedSimulation>> find(c3de_sim sim) {
+  const std::lock_guard lock(table().mutex);
+  const auto found = table().open.find(sim);
+  if (found != table().open.end()) return found->second;
+  if (sim == 0) return refuse(C3DE_E_ARG, "the simulation is 0; accepted: one that c3de_embed_open() has opened");
+  return refuse(C3DE_E_STALE, fmt::format("simulation {} is not open, or has been closed", sim));
+}
+
+Result<void> notNull(const void *argument, const char *name) {
+  if (argument != nullptr) return {};
+  return refuse(C3DE_E_ARG, fmt::format("{} is null", name));
+}
+
+/// f(simulation, argument) for one that is open; writes the result to `out`.
+template <class T, class F>
+c3de_status ask(c3de_sim sim, T *out, const char *name, const F &f) noexcept {
+  return guarded([&]() -> Result<void> {
+    if (auto good = notNull(out, name); !good) return good;
+    const auto found = find(sim);
+    if (!found) return tl::unexpected(found.error());
+    const auto result = f(**found);
+    if (!result) return tl::unexpected(result.error());
+    *out = *result;
+    return {};
+  });
+}
+
+/// Same for a struct with `size`: writes as much of it as the caller knows.
+template <class T, class F>
+c3de_status askStruct(c3de_sim sim, T *out, const F &f) noexcept {
+  return guarded([&]() -> Result<void> {
+    if (auto good = notNull(out, "out"); !good) return good;
+    const std::uint32_t size = out->size;
+    if (size < sizeof size || size > 4096)
+      return refuse(C3DE_E_ARG, fmt::format("out->size is {}; accepted: sizeof, {}", size, sizeof(T)));
+    const auto found = find(sim);
+    if (!found) return tl::unexpected(found.error());
+    auto result = f(**found);
+    if (!result) return tl::unexpected(result.error());
+    result->size = size;
+    std::memcpy(out, &*result, std::min<std::size_t>(size, sizeof(T)));
+    return {};
+  });
+}
+
+template <class F>
+c3de_status act(c3de_sim sim, const F &f) noexcept {
+  return guarded([&]() -> Result<void> {
+    const auto found = find(sim);
+    return found ? f(**found) : tl::unexpected(found.error());
+  });
+}
+
+/// Members that the caller does not know are 0.
+template <class T>
+Result<T> readStruct(const T *in, const char *name) {
+  T known{};
+  if (in == nullptr) return refuse(C3DE_E_ARG, fmt::format("{} is null", name));
+  if (in->size < sizeof in->size || in->size > 4096)
+    return refuse(C3DE_E_ARG, fmt::format("{}->size is {}; accepted: sizeof, {}", name, in->size, sizeof(T)));
+  std::memcpy(&known, in, std::min<std::size_t>(in->size, sizeof(T)));
+  return known;
+}
+
+Result<void> addTexts(const char *const *texts, std::uint64_t n, const char *name,
+                      const std::function<void(const char *)> &add) {
+  if (n == 0) return {};
+  if (auto good = notNull(static_cast<const void *>(texts), name); !good) return good;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    if (texts[i] == nullptr) return refuse(C3DE_E_ARG, fmt::format("{}[{}] is null", name, i));
+    add(texts[i]);
+  }
+  return {};
+}
+
+Result<EmbeddedSimulation::Request> requestOf(const c3de_embed_options *options) {
+  const auto in = readStruct(options, "options");
+  if (!in) return tl::unexpected(in.error());
+  if (in->file == nullptr && in->text == nullptr)
+    return refuse(C3DE_E_ARG, "file and text are null; accepted: one of them at least");
+  if (in->threads > 1024) return refuse(C3DE_E_ARG, fmt::format("threads is {}; accepted: 0 to 1024", in->threads));
+  EmbeddedSimulation::Request request;
+  session::RunOptions &run = request.options;
+  run.scene = pathFromText(in->file != nullptr ? in->file : "scene.toml");
+  if (in->text != nullptr) {
+    run.sceneText = in->text;
+    if (run.sceneText.empty()) return refuse(C3DE_E_ARG, "text is empty; accepted: a scene as TOML");
+    if (!scene::isScenePath(run.scene))
+      return refuse(C3DE_E_ARG, fmt::format("file is '{}'; accepted beside text: a name that ends with .toml",
+                                            pathText(run.scene)));
+  }
+  run.session.searchPlugins = (in->flags & C3DE_EMBED_NO_PLUGIN_SEARCH) == 0;
+  run.session.threads = in->threads;
+  run.quiet = true;
+  const auto addTo = [](std::vector<std::filesystem::path> &list) {
+    return [&list](const char *text) { list.push_back(pathFromText(text)); };
+  };
+  auto good = addTexts(in->assign, in->assign_n, "assign", [&](const char *text) { run.overrides.emplace_back(text); });
+  if (good) good = addTexts(in->plugin_files, in->plugin_files_n, "plugin_files", addTo(run.session.pluginFiles));
+  if (good)
+    good = addTexts(in->plugin_folders, in->plugin_folders_n, "plugin_folders", addTo(run.session.pluginFolders));
+  if (!good) return tl::unexpected(good.error());
+  if (in->progress != nullptr)
+    request.progress = [call = in->progress, self = in->progress_self](double fraction, const std::string &what) {
+      return call(self, fraction, what.c_str()) == 0;
+    };
+  else
+    request.progress = [](double, const std::string &) { return true; };
+  return request;
+}
+
+}  // namespace
+}  // namespace c3de::embed
+
+using namespace c3de;         // NOLINT(google-build-using-namespace): C functions below
+using namespace c3de::embed;  // NOLINT(google-build-using-namespace)
+using Simulation = EmbeddedSimulation;
+
+uint32_t c3de_embed_revision(void) { return C3DE_EMBED_REV; }
+const char *c3de_embed_version(void) { return C3DE_VERSION; }
+const char *c3de_embed_last_error(void) { return lastError().c_str(); }
+
+void c3de_embed_set_log(void(C3DE_CALL *log)(void *self, int32_t level, const char *line), void *self) {
+  (void)guarded([&]() -> Result<void> {
+    (void)table();
+    if (log == nullptr)
+      setLogListener({});
+    else
+      setLogListener([log, self](LogLevel level, const std::string &line) {
+        log(self, static_cast<int32_t>(level), line.c_str());
+      });
+    return {};
+  });
+}
+
+c3de_status c3de_embed_open(const c3de_embed_options *options, c3de_sim *out) {
+  if (out != nullptr) *out = 0;
+  return guarded([&]() -> Result<void> {
+    if (auto good = notNull(out, "out"); !good) return good;
+    Table &all = table();
+    auto request = requestOf(options);
+    if (!request) return tl::unexpected(request.error());
+    auto made = Simulation::open(std::move(*request));
+    if (!made) return tl::unexpected(made.error());
+    const std::lock_guard lock(all.mutex);
+    all.open.emplace(++all.last, std::move(*made));
+    *out = all.last;
+    return {};
+  });
+}
+
+c3de_status c3de_embed_close(c3de_sim sim) {
+  if (sim == 0) return C3DE_OK;
+  return guarded([&]() -> Result<void> {
+    std::shared_ptr<Simulation> gone;
+    {
+      const auto found = find(sim);
+      if (!found) return tl::unexpected(found.error());
+      gone = *found;
+    }
+    if (auto closed = gone->close(); !closed) return closed;
+    const std::lock_guard lock(table().mutex);
+    table().open.erase(sim);
+    return {};
+  });
+}
+
+c3de_status c3de_embed_parameter_count(c3de_sim sim, uint64_t *out) {
+  return ask(sim, out, "out", [](Simulation &of) { return of.parameterCount(); });
+}
+c3de_status c3de_embed_parameter_at(c3de_sim sim, uint64_t index, c3de_embed_parameter *out) {
+  return askStruct(sim, out, [&](Simulation &of) { return of.parameterAt(index); });
+}
+c3de_status c3de_embed_get(c3de_sim sim, const char *path, c3de_embed_value *out) {
+  return askStruct(sim, out, [&](Simulation &of) -> Result<c3de_embed_value> {
+    if (auto good = notNull(path, "path"); !good) return tl::unexpected(good.error());
+    return of.get(path);
+  });
+}
+c3de_status c3de_embed_set(c3de_sim sim, const char *path, const char *text) {
+  return act(sim, [&](Simulation &of) -> Result<void> {
+    if (auto good = notNull(path, "path"); !good) return good;
+    if (auto good = notNull(text, "text"); !good) return good;
+    return of.set(path, text);
+  });
+}
+
+c3de_status c3de_embed_get_status(c3de_sim sim, c3de_embed_status *out) {
+  return askStruct(sim, out, [](Simulation &of) { return of.status(); });
+}
+
+c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *done) {
+  std::uint64_t made = 0;
+  const c3de_status code = act(sim, [&](Simulation &of) -> Result<void> {
+    if (n == 0) return {};
+    Simulation::Run run;
+    run.maxSteps = n;
+    return of.run(run, made);
+  });
+  if (done != nullptr) *done = made;
+  return code;
+}
+
+c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options) {
+  return act(sim, [&](Simulation &of) -> Result<void> {
+    c3de_embed_run_options in{};
+    if (options != nullptr) {
+      const auto read = readStruct(options, "options");
+      if (!read) return tl::unexpected(read.error());
+      in = *read;
+    }
+    if (!std::isfinite(in.until_s) || in.until_s < 0.0)
+      return refuse(C3DE_E_ARG, fmt::format("until_s is {} s; accepted: finite, >= 0", in.until_s));
+    if (!std::isfinite(in.stepped_every_s) || in.stepped_every_s < 0.0)
+      return refuse(C3DE_E_ARG, fmt::format("stepped_every_s is {} s; accepted: finite, >= 0", in.stepped_every_s));
+    Simulation::Run run;
+    run.maxSteps = in.max_steps;
+    run.until_s = in.until_s;
+    run.every_s = in.stepped_every_s;
+    if (in.stepped != nullptr)
+      run.stepped = [call = in.stepped, self = in.stepped_self](const c3de_embed_status &status, double fraction) {
+        return call(self, &status, fraction) == 0;
+      };
+    std::uint64_t made = 0;
+    return of.run(run, made);
+  });
+}
+
+c3de_status c3de_embed_cancel(c3de_sim sim) {
+  return act(sim, [](Simulation &of) -> Result<void> {
+    of.cancel();
+    return {};
+  });
+}
+c3de_status c3de_embed_reset(c3de_sim sim) {
+  return act(sim, [](Simulation &of) { return of.reset(); });
+}
+c3de_status c3de_embed_state_hash(c3de_sim sim, uint64_t *out) {
+  return ask(sim, out, "out", [](Simulation &of) { return of.stateHash(); });
+}
+
+c3de_status c3de_embed_body_at(c3de_sim sim, uint64_t index, c3de_embed_body *out) {
+  return askStruct(sim, out, [&](Simulation &of) { return of.bodyAt(index); });
+}
+c3de_status c3de_embed_find_body(c3de_sim sim, const char *name, uint64_t *index) {
+  return ask(sim, index, "index", [&](Simulation &of) -> Result<std::uint64_t> {
+    if (auto good = notNull(name, "name"); !good) return tl::unexpected(good.error());
+    return of.findBody(name);
+  });
+}
+c3de_status c3de_embed_field_at(c3de_sim sim, uint64_t body, uint32_t on, uint64_t index, c3de_embed_field *out) {
+  return askStruct(sim, out, [&](Simulation &of) { return of.fieldAt(body, on, index); });
+}
+c3de_status c3de_embed_view_field(c3de_sim sim, uint64_t body, uint32_t on, const char *name, c3de_embed_array *out) {
+  return askStruct(sim, out, [&](Simulation &of) -> Result<c3de_embed_array> {
+    if (auto good = notNull(name, "name"); !good) return tl::unexpected(good.error());
+    return of.viewField(body, on, name);
+  });
+}
+c3de_status c3de_embed_read_field(c3de_sim sim, uint64_t body, uint32_t on, const char *name, double *data,
+                                  uint64_t bytes) {
+  return act(sim, [&](Simulation &of) -> Result<void> {
+    if (auto good = notNull(name, "name"); !good) return good;
+    if (bytes != 0)
+      if (auto good = notNull(data, "data"); !good) return good;
+    return of.readField(body, on, name, data, bytes);
+  });
+}
+c3de_status c3de_embed_view_triangles(c3de_sim sim, uint64_t body, c3de_embed_array *out) {
+  return askStruct(sim, out, [&](Simulation &of) { return of.viewTriangles(body); });
+}
+
+c3de_status c3de_embed_events(c3de_sim sim, const char **json) {
+  return ask(sim, json, "json", [](Simulation &of) { return of.events(); });
+}
+c3de_status c3de_embed_report(c3de_sim sim, const char **json) {
+  return ask(sim, json, "json", [](Simulation &of) { return of.report(); });
+}
+
+namespace {
+
+template <class F>
+c3de_status withFile(c3de_sim sim, const char *file, const F &f) {
+  return act(sim, [&](Simulation &of) -> Result<void> {
+    if (auto good = notNull(file, "file"); !good) return good;
+    return f(of, pathFromText(file));
+  });
+}
+
+}  // namespace
+
+c3de_status c3de_embed_save_state(c3de_sim sim, const char *file) {
+  return withFile(sim, file, [](Simulation &of, const auto &path) { return of.saveState(path); });
+}
+c3de_status c3de_embed_load_state(c3de_sim sim, const char *file) {
+  return withFile(sim, file, [](Simulation &of, const auto &path) { return of.loadState(path); });
+}
+c3de_status c3de_embed_save_session(c3de_sim sim, const char *file) {
+  return withFile(sim, file, [](Simulation &of, const auto &path) { return of.saveSession(path); });
+}
+
+c3de_status c3de_embed_hold_body(c3de_sim sim, uint64_t body, const c3de_embed_hold *hold, uint64_t *out) {
+  return ask(sim, out, "out", [&](Simulation &of) -> Result<std::uint64_t> {
+    const auto in = readStruct(hold, "hold");
+    if (!in) return tl::unexpected(in.error());
+    return of.hold(body, *in);
+  });
+}
+c3de_status c3de_embed_pull(c3de_sim sim, uint64_t hold, const double *target_m3) {
+  return act(sim, [&](Simulation &of) -> Result<void> {
+    if (auto good = notNull(target_m3, "target_m3"); !good) return good;
+    for (int axis = 0; axis < 3; ++axis)
+      if (!std::isfinite(target_m3[axis]))
+        return refuse(C3DE_E_ARG, fmt::format("target_m3[{}] is {}; accepted: finite", axis, target_m3[axis]));
+    return of.pull(hold, target_m3);
+  });
+}
+c3de_status c3de_embed_hold_read(c3de_sim sim, uint64_t hold, c3de_embed_hold_state *out) {
+  return askStruct(sim, out, [&](Simulation &of) { return of.holdState(hold); });
+}
+c3de_status c3de_embed_release(c3de_sim sim, uint64_t hold) {
+  return act(sim, [&](Simulation &of) { return of.release(hold); });
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "c3de/embed.h"
+#include "c3de/session/body_sources.h"
+#include "c3de/session/live_parameters.h"
+#include "c3de/session/report.h"
+#include "c3de/session/run_beginning.h"
+#include "c3de/session/simulator_access.h"
+#include "owner_thread.h"
+#include "result.h"
+
+namespace c3de::embed {
+
+/// One simulation of c3de/embed.h: a session with its simulator. Calls wait for each other, except cancel(). Threads: any;
+/// a call from within a callback of the same simulation may only read.
+class EmbeddedSimulation {
+ public:
+  struct Request {
+    session::RunOptions options;
+    ProgressFn progress;
+  };
+  [[nodiscard]] static Result<std::shared_ptr<EmbeddedSimulation>> open(Request request);
+  ~EmbeddedSimulation();
+
+  struct Run {
+    std::uint64_t maxSteps = 0;
+    double until_s = 0.0;
+    std::function<bool(const c3de_embed_status &, double)> stepped;  ///< false: cancel
+    double every_s = 0.0;
+  };
+  /// @param made  steps of this call
+  [[nodiscard]] Result<void> run(const Run &run, std::uint64_t &made);
+  void cancel();
+  [[nodiscard]] Result<void> close();
+  [[nodiscard]] Result<void> reset();
+  [[nodiscard]] Result<c3de_embed_status> status();
+  [[nodiscard]] Result<std::uint64_t> stateHash();
+
+  [[nodiscard]] Result<std::uint64_t> parameterCount();
+  [[nodiscard]] Result<c3de_embed_parameter> parameterAt(std::uint64_t index);
+  [[nodiscard]] Result<c3de_embed_value> get(const std::string &path);
+  [[nodiscard]] Result<void> set(const std::string &path, const std::string &text);
+
+  [[nodiscard]] Result<c3de_embed_body> bodyAt(std::uint64_t index);
+  [[nodiscard]] Result<std::uint64_t> findBody(std::string_view name);
+  [[nodiscard]] Result<c3de_embed_field> fieldAt(std::uint64_t body, std::uint32_t on, std::uint64_t index);
+  [[nodiscard]] Result<c3de_embed_array> viewField(std::uint64_t body, std::uint32_t on, std::string_view name);
+  [[nodiscard]] Result<void> readField(std::uint64_t body, std::uint32_t on, std::string_view name, double *data,
+                                       std::uint64_t bytes);
+  [[nodiscard]] Result<c3de_embed_array> viewTriangles(std::uint64_t body);
+
+  [[nodiscard]] Result<const char *> events();
+  [[nodiscard]] Result<const char *> report();
+  [[nodiscard]] Result<void> saveState(const std::filesystem::path &file);
+  [[nodiscard]] Result<void> loadState(const std::filesystem::path &file);
+  [[nodiscard]] Result<void> saveSession(const std::filesystem::path &file);
+
+  [[nodiscard]] Result<std::uint64_t> hold(std::uint64_t body, const c3de_embed_hold &hold);
+  [[nodiscard]] Result<void> pull(std::uint64_t hold, const double *target_m3);
+  [[nodiscard]] Result<c3de_embed_hold_state> holdState(std::uint64_t hold);
+  [[nodiscard]] Result<void> release(std::uint64_t hold);
+
+ private:
+  class Use;
+  struct FieldMemory {
+    std::uint64_t generation = 0;  ///< 0: not read
+    std::vector<double> values;
+    std::uint32_t comps = 0;
+    const char *unit = "";
+  };
+  template <class Text>
+  struct FieldKey {
+    std::uint64_t body;
+    std::uint32_t on;
+    Text name;
+  };
+  /// Also of keys that only refer to a name.
+  struct FieldOrder {
+    using is_transparent = void;
+    template <class A, class B>
+    bool operator()(const A &a, const B &b) const {
+      using Parts = std::tuple<std::uint64_t, std::uint32_t, std::string_view>;
+      return Parts(a.body, a.on, a.name) < Parts(b.body, b.on, b.name);
+    }
+  };
+  struct Described {
+    std::string name, unit;
+    std::uint32_t comps = 0;
+  };
+  struct BodyEntry {
+    c3de_handle handle{};
+    c3de_embed_body info{};
+    std::vector<Described> fields[2];  ///< of points, of the surface
+  };
+
+  EmbeddedSimulation() = default;
+  [[nodiscard]] Result<void> build(const Request &request);  // on the owner's thread
+  [[nodiscard]] Result<void> begin(const Request &request, const session::RunBeginning &beginning,
+                                   const session::SimulatorIdentity &chosen);
+  [[nodiscard]] Result<void> makeOneStep(const char *owner);
+  [[nodiscard]] bool isDone(const Run &run, std::uint64_t made) const;
+  [[nodiscard]] double fraction(const Run &run, std::uint64_t made) const;
+  [[nodiscard]] Result<void> readStatus();
+  void stateChanged();
+  [[nodiscard]] Failure reason(const std::string &what, c3de_status code);
+  [[nodiscard]] Result<void> readBodies();
+  [[nodiscard]] Result<const BodyEntry *> entryOf(std::uint64_t body);
+  [[nodiscard]] Result<const Described *> describe(const BodyEntry &body, std::uint32_t on, std::string_view name);
+  [[nodiscard]] Result<void> fill(const BodyEntry &body, std::uint32_t on, const Described &field, double *data,
+                                  std::uint64_t rows);
+  [[nodiscard]] Result<std::string> simulatorReport();
+  [[nodiscard]] const char *kept(std::string_view text) { return kept_.emplace(text).first->c_str(); }
+
+  std::recursive_mutex mutex_;
+  bool isInCall_ = false;
+  std::atomic<bool> isClosing_{false};  ///< calls that begin from now on are refused
+  std::mutex cancelMutex_;
+  bool isRunning_ = false;
+  std::atomic<bool> isCancelled_{false};
+
+  OwnerThread owner_;
+  std::unique_ptr<session::Session> session_;
+  std::optional<session::ObjectRef> simulator_;
+  const c3de_simulator_v1 *table_ = nullptr;
+  std::optional<session::LiveParameters> parameters_;
+  session::SimulatorIdentity identity_;
+  session::RunFacts facts_;
+  c3de_sim_status status_{};
+  std::uint64_t generation_ = 1;
+
+  std::vector<session::LiveParameters::Parameter> listed_;  ///< of parameterAt(); empty: not asked for
+  std::vector<BodyEntry> bodies_;
+  std::uint64_t bodiesGeneration_ = 0;
+  std::map<FieldKey<std::string>, FieldMemory, FieldOrder> fields_;
+  std::set<std::string, std::less<>> kept_;  ///< text that callers have
+  std::string events_, report_;
+};
+
+}  // namespace c3de::embed
