@@ -191,6 +191,8 @@ class Sweeping(unittest.TestCase):
         self.assertLess(sag[0], sag[1])
         self.assertIsNone(rows[2].report)
         self.assertIn("youngs_modulus", str(rows[2].error))
+        self.assertRegex(repr(rows[0]), r"^<c3de.SweepRow %s = 500000.0: done after \d+ steps>$" % STIFFNESS)
+        self.assertIn(str(rows[2].error), repr(rows[2]))
 
 
 class Scenes(unittest.TestCase):

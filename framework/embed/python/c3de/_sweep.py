@@ -21,6 +21,11 @@ class SweepRow(NamedTuple):
     report: Optional[Dict[str, Any]]    #: of the end state; None after an error
     error: Optional[Error]
 
+    def __repr__(self) -> str:
+        values = ", ".join("%s = %s" % pair for pair in self.values.items())
+        end = "%s after %d steps" % (self.report["outcome"], self.report["steps"]) if self.report else str(self.error)
+        return "<c3de.SweepRow %s: %s>" % (values, end)
+
 
 def _run(request: Dict[str, Any], processes: Dict[int, subprocess.Popen]) -> Dict[str, Any]:
     package = str(pathlib.Path(__file__).resolve().parents[1])
