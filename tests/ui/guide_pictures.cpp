@@ -443,7 +443,7 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   window.release();
 }
 
-TEST_CASE("Pictures of the faces of the panel for the user guide", "[.guide][.guide_panel]") {
+TEST_CASE("Pictures of the modes of the panel for the user guide", "[.guide][.guide_panel]") {
   C3DE_ORGAN_OR_SKIP();
   const auto home = outputFile("guide_panel_home");
   std::filesystem::remove_all(home);
@@ -453,12 +453,12 @@ TEST_CASE("Pictures of the faces of the panel for the user guide", "[.guide][.gu
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
   window.choose(kPanel + "tissue", "liver");
   C3DE_WAIT(window, "it lies on the block",
-            !textOf(s, kPanel + "Touches block").empty() && s["transport"]["time_s"].get<double>() > 5.0);
+            !textOf(s, kPanel + "Contact with block").empty() && s["transport"]["time_s"].get<double>() > 5.0);
   window.click("scene/header");
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
   window.screenshotAtRest("panel_simple");
-  window.click(kPanel + "view.face.all");
+  window.click(kPanel + "view.mode.all");
   window.click(kPanel + "rows.search");
   window.type("volume stiffness");
   C3DE_WAIT(window, "a row is found", s["widgets"].contains(kPanel + "material.volume_stiffness"));

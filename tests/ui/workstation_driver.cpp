@@ -98,8 +98,8 @@ void WorkstationDriver::chooseAllRows() {
   const std::filesystem::path file = userConfigDirectory() / "settings" / "c3de.pointbased.json";
   Json settings = Json::parse(readText(file), nullptr, false);
   if (!settings.is_object()) settings = Json::object();
-  if (settings.contains("panel.face")) return;
-  settings["panel.face"] = "all";
+  if (settings.contains("panel.mode")) return;
+  settings["panel.mode"] = "all";
   std::filesystem::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary) << settings.dump(2) << '\n';
 }

@@ -34,7 +34,7 @@ class WorkstationDriver {
   /// Why windows cannot be driven here; empty: they can.
   [[nodiscard]] static std::string whyNot();
 
-  /// The panel of the simulation has the face that a new user sees, or has chosen. Without this call it shows all rows
+  /// The panel of the simulation has the mode that a new user sees, or has chosen. Without this call it shows all rows
   /// from the start. Before start().
   void asNewUser() { isNewUser_ = true; }
   /// Starts the program and waits until its window is drawn.

@@ -15,6 +15,8 @@ std::size_t ParameterHistory::bytesOf(const Entry &entry) {
 
 void ParameterHistory::erase(std::size_t index) {
   bytes_ -= bytesOf(entries_[index]);
+  // The rest of its group does not join the entry before it.
+  if (!entries_[index].joinsPrevious && index + 1 < entries_.size()) entries_[index + 1].joinsPrevious = false;
   entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(index));
   if (index < done_) --done_;
 }

@@ -85,8 +85,12 @@ Expected<void> ParameterRegistry::edit(Handle handle, const std::string &label,
         before.type == value.type && before.num == value.num && before.text == value.text && before.vec == value.vec;
     if (!isSame) changes.push_back({before, value});
   }
-  for (const ParameterHistory::Change &change : changes)
-    if (auto done = this->set(handle, change.after, true); !done) return done;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const auto done = this->set(handle, changes[i].after, true);
+    if (done) continue;
+    while (i-- > 0) (void)this->set(handle, changes[i].before, true);
+    return done;
+  }
   if (sets_.find(handle)) history_.record(handle, label, changes);
   return {};
 }

@@ -69,7 +69,7 @@ TEST_CASE("shapes of implants have the size that was asked for") {
 
   const ImplantSurface sphere = shapeOf("sphere").surface(std::array{20.0});
   CHECK_THAT(extentOf(sphere)[2], WithinAbs(20.0, 1e-9));
-  CHECK(sphere.seat_mm == -10.0);
+  CHECK(sphere.contactPlane_mm == -10.0);
   // 32 facets around: 2 % below the ball.
   CHECK_THAT(volumeOf(sphere), WithinRel(4000.0 / 3.0 * std::numbers::pi, 0.02));
 
@@ -83,7 +83,7 @@ TEST_CASE("shapes of implants have the size that was asked for") {
     below = std::min(below, at[2]);
     if (at[2] < -1.0) shaft = std::max(shaft, at.head<2>().norm());
   }
-  CHECK(screw.seat_mm == 0.0);
+  CHECK(screw.contactPlane_mm == 0.0);
   CHECK(below == -30.0);
   CHECK_THAT(shaft, WithinAbs(2.25, 0.05));
 }

@@ -462,7 +462,7 @@ TEST_CASE("The panel shows values of the world that are set outside of it, and U
 }
 
 TEST_CASE(
-    "the simple face of the panel has what comes first, accuracy is in both faces, and no state depends on them") {
+    "the simple mode of the panel has what comes first, accuracy is in both modes, and no state depends on them") {
   Window window("explicit");
   const auto has = [&](const char *id) { return window.panel().find(id) != nullptr; };
   const auto statesAccuracy = [&] {
@@ -479,7 +479,7 @@ TEST_CASE(
   CHECK_FALSE(has("material.density"));
   CHECK_FALSE(window.panel().value("State hash"));
 
-  window.panel().press("view.face.all");
+  window.panel().press("view.mode.all");
   window.frame();
   window.frame();
   for (const char *id : {"play", "material.youngs_modulus", "world.gravity", "accuracy.error_mm", "verify", "solver.dt",
@@ -492,7 +492,7 @@ TEST_CASE(
   CHECK(window.panel().value("State hash"));
   CHECK(window.state() == before);
 
-  window.panel().press("view.face.simple");
+  window.panel().press("view.mode.simple");
   window.frame();
   window.frame();
   CHECK(has("hold"));

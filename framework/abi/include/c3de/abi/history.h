@@ -33,8 +33,8 @@ typedef struct c3de_history_v1 {
    * changes and state, and calls ready once, later. C3DE_OK: begin; a state that cannot be stored is reported by
    * add_captured(). C3DE_E_CANCELLED: the plugin is being stopped. [main] */
   c3de_status(C3DE_CALL *capture)(void *ctx, void *self, void(C3DE_CALL *ready)(void *self, c3de_status status));
-  /* Since revision 2. What was begun by the last ready() has succeeded: a step of the host. Its undo builds the simulation
-   * again as it was stored, its redo as it was when it was undone. C3DE_E_STATE: nothing was captured, or something else
+  /* Since revision 2. The change started by the last ready() has succeeded: a step of the host. Its undo restores the stored
+   * simulation, its redo the state that undo replaced. C3DE_E_STATE: nothing was captured, or something else
    * has begun since. [main] */
   c3de_status(C3DE_CALL *add_captured)(void *ctx, c3de_str label);
 } c3de_history_v1;

@@ -32,7 +32,7 @@ class SimulationSteps {
   virtual ~SimulationSteps() = default;
   /// Stores the present simulation, then calls `begin` with the number of this capture, also if it could not be stored.
   virtual void captureBefore(const std::function<void(std::uint64_t capture)> &begin) = 0;
-  /// What `begin` began has succeeded: adds a step, or reports why it cannot be undone.
+  /// The change started by `begin` has succeeded: adds a step, or reports why it cannot be undone.
   /// @return false: another capture has been made since
   virtual bool addCaptured(std::uint64_t capture, const std::string &label) = 0;
 };

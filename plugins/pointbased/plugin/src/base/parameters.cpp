@@ -117,8 +117,8 @@ constexpr std::array kWorld{
                "Accuracy"},
               {0.01, 100.0, 0.5, 20.0}, C3DE_PARAM_LOG_SCALE),
     autoParam({C3DE_PARAM_ID_ERROR_MM, "Error at most, in mm", "mm",
-               "Largest error of the skin at rest; bodies that are built from now on are sampled for it. auto: as the "
-               "other targets",
+               "Largest error of the skin at rest; bodies that are built from now on are sampled for it. auto: "
+               "use the other targets",
                "Error in mm"},
               {1e-6, 1e4, 0.01, 10.0}, C3DE_PARAM_LOG_SCALE),
     autoParam({C3DE_PARAM_ID_BUDGET_MS, "Budget", "ms",

@@ -39,7 +39,7 @@ ImplantSurface revolved(std::span<const double> rings, double below, double abov
 }
 
 /// A convex outline between two parallel planes.
-/// @param outline  counter-clockwise seen from the side of `to`
+/// @param outline  counter-clockwise seen from plane 1
 /// @param point    of a vertex of the outline in the planes 0 and 1
 ImplantSurface extruded(std::span<const Eigen::Vector2d> outline,
                         const std::function<Vec3(const Eigen::Vector2d &at, int plane)> &point) {
@@ -93,7 +93,7 @@ ImplantSurface sphere(std::span<const double> sizes) {
   for (int k = 1; k < kRings; ++k) rings.push_back(-radius * std::cos(0.5 * kTurn * k / kRings));
   ImplantSurface out = revolved(rings, -radius, radius,
                                 [&](double z, double) { return std::sqrt(std::max(radius * radius - z * z, 0.0)); });
-  out.seat_mm = -radius;
+  out.contactPlane_mm = -radius;
   return out;
 }
 

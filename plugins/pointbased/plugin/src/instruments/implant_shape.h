@@ -15,7 +15,7 @@ namespace pointbased {
 struct ImplantSurface {
   std::vector<Vec3> positions_mm;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
-  double seat_mm = 0.0;                                 ///< z of the plane that is placed on the tissue
+  double contactPlane_mm = 0.0;                         ///< z of the plane that is placed on the tissue
 };
 
 /// One dimension of a shape.
@@ -24,13 +24,13 @@ struct ImplantSize {
   double value_mm, least_mm, most_mm;  ///< preset and range
 };
 
-/// A shape that the program makes itself.
+/// A built-in shape.
 struct ImplantShape {
   std::string_view name;
   std::span<const ImplantSize> sizes;
   /// @param sizes_mm  one value for each of `sizes`, within its range
   ImplantSurface (*surface)(std::span<const double> sizes_mm);
-  /// Height of the underside above the seat at a point of its plane that the shape covers; null: it enters tissue.
+  /// Height of the underside above the contact plane at a point that the shape covers; null: it enters tissue.
   double (*underside)(double x_mm, double y_mm, std::span<const double> sizes_mm);
 };
 

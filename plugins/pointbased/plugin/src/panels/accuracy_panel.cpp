@@ -98,7 +98,7 @@ void drawOtherTarget(sdk::Ui &ui, const ParameterValues &world) {
   if (target.kind == AccuracyTarget::Kind::share)
     ui.value("Accuracy target", "error at most " + twoDigits(100.0 * target.value) + " % of the largest displacement");
   else if (target.kind == AccuracyTarget::Kind::budget)
-    ui.value("Accuracy target", "as accurate as " + twoDigits(1e3 * target.value) + " ms per frame allow");
+    ui.value("Accuracy target", "best accuracy within " + twoDigits(1e3 * target.value) + " ms per frame");
   else
     return;
   ui.tooltip("A value in mm replaces it");

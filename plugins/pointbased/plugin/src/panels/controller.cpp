@@ -53,7 +53,7 @@ void setBodyParameter(WorldSimulator &simulator, std::uint64_t body, const Param
 }  // namespace
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
-    : services_(services), tools_(tools), face_(services.host), laws_(laws), verification_(services),
+    : services_(services), tools_(tools), mode_(services.host), laws_(laws), verification_(services),
       obstacles_(services, tools.move), loads_(services, tools.load) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
@@ -151,11 +151,11 @@ void Controller::draw(sdk::Ui &ui) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
   followWorld();
-  face_.draw(ui);
+  mode_.draw(ui);
   if (snapshot) drawWarnings(ui, *snapshot);
   if (snapshot && snapshot->bodies.size() > 1) chooseBody(ui, *snapshot);
   drawActiveTools(ui, snapshot.get());
-  if (face_.isSimple())
+  if (mode_.isSimple())
     drawSimple(ui, snapshot.get());
   else
     drawAll(ui, snapshot.get());
@@ -167,8 +167,8 @@ void Controller::drawActiveTools(sdk::Ui &ui, const Snapshot *snapshot) {
   if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot);
   if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot);
   if (tools_.move.isActive()) obstacles_.draw(ui, snapshot);
-  // The simple face has them where the tool is activated.
-  if (tools_.load.isActive() && !face_.isSimple()) loads_.draw(ui, snapshot);
+  // The simple mode has them where the tool is activated.
+  if (tools_.load.isActive() && !mode_.isSimple()) loads_.draw(ui, snapshot);
 }
 
 // Above the first heading: a search does not hide them.
@@ -243,7 +243,7 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
 
 void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.heading("Accuracy");
-  const bool isSimple = face_.isSimple();
+  const bool isSimple = mode_.isSimple();
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) drawAccuracyStatement(ui, *body);
   verification_.draw(ui, *simulator_, snapshot, isMoving());
@@ -370,7 +370,7 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.value("State", modeName(mode));
   if (!snapshot) return;
   ui.value("Simulated time", fixed(snapshot->time, 3) + " s");
-  if (face_.isSimple()) return;
+  if (mode_.isSimple()) return;
   ui.value("Steps", std::to_string(snapshot->steps));
   ui.value("Step size", significant(1e3 * snapshot->dt, 3) + " ms");
   if (state) ui.value("Real-time factor", playing ? fixed(state->real_time_factor, 2) : std::string("–"));
@@ -558,7 +558,7 @@ void Controller::rebuild() {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (!body) return;
-  startRebuilding({"Filling the organ again", "Rebuild", "rebuild " + body->name}, {{body_, nextValues_}});
+  startRebuilding({"Resampling the organ", "Rebuild", "rebuild " + body->name}, {{body_, nextValues_}});
 }
 
 void Controller::startRebuilding(const Work &work, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies,

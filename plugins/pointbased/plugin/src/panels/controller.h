@@ -6,7 +6,7 @@
 #include "c3de/sdk/panel.hpp"
 #include "panels/load_panel.h"
 #include "panels/obstacle_panel.h"
-#include "panels/panel_face.h"
+#include "panels/panel_mode.h"
 #include "panels/verification_panel.h"
 #include "simulator/world_simulator.h"
 #include "tools/grasp_tool.h"
@@ -19,8 +19,8 @@
 namespace pointbased {
 
 /// The plugin's panel: load, sampling, material, world, run, view, pinch. Contains no physics. Edits are sent to the
-/// solver as commands between two steps; numbers are read from the latest snapshot. Its simple face has the rows that a
-/// user needs first; warnings and the accuracy are in both (PanelFace). Main thread.
+/// solver as commands between two steps; numbers are read from the latest snapshot. Its simple mode has the rows that a
+/// user needs first; warnings and the accuracy are in both (PanelMode). Main thread.
 class Controller : public sdk::Panel {
  public:
   /// In the order of the window.
@@ -92,7 +92,7 @@ class Controller : public sdk::Panel {
 
   const Services &services_;
   Tools tools_;
-  PanelFace face_;
+  PanelMode mode_;
   WorldSimulator *simulator_ = nullptr;
   SimulatorView *view_ = nullptr;
   sdk::ParameterSet bodyParameters_, worldParameters_;

@@ -22,7 +22,7 @@ void drawContactsOf(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &b
   for (const ContactSnapshot &contact : snapshot.contacts) {
     const ContactSummary &now = contact.summary;
     if (now.first == now.second || (now.first != body.id && now.second != body.id)) continue;
-    ui.value("Touches " + (now.first == body.id ? contact.second : contact.first),
+    ui.value("Contact with " + (now.first == body.id ? contact.second : contact.first),
              significant(now.force.norm(), 3) + " N");
     ui.tooltip("Contact force between them, mean over the last step");
   }
@@ -32,18 +32,18 @@ void drawContactsOf(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &b
 
 void drawHolds(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &body) {
   if (body.isStatic) {
-    ui.value("Held", "rigid, fixed in its reference position");
+    ui.value("Fixed", "rigid, fixed in its reference position");
     return;
   }
   bool isHeld = false;
   if (!body.supports.empty()) {
     isHeld = true;
     ui.value("Supports of the scene", std::to_string(body.supports.size()) + ": " + listed(body.supports));
-    ui.tooltip("Their numbers where they have no name");
+    ui.tooltip("Unnamed supports are listed by number");
   }
   if (body.held > 0) {
     isHeld = true;
-    ui.value("Held", std::to_string(body.held) + " of " + std::to_string(body.phyxels.size()) + " phyxels");
+    ui.value("Fixed points", std::to_string(body.held) + " of " + std::to_string(body.phyxels.size()) + " phyxels");
     ui.tooltip("By supports and by rigid tissue, such as bone");
   }
   for (const AttachmentSnapshot &one : snapshot.attachments) {
@@ -59,7 +59,7 @@ void drawHolds(sdk::Ui &ui, const Snapshot &snapshot, const BodySnapshot &body) 
            std::any_of(snapshot.conditions.begin(), snapshot.conditions.end(),
                        [&](const ConditionSnapshot &one) { return one.body == body.id && one.condition.isSupport(); });
   // Contacts come and go from step to step; this line does not.
-  if (!isHeld) ui.text("No support holds " + body.name + ", only what it touches. Add one where it is fixed.");
+  if (!isHeld) ui.text(body.name + " has no support, only contacts. Add a support where it is fixed.");
 }
 
 }  // namespace pointbased

@@ -41,16 +41,28 @@ struct SkinSite {
   Vec3 at, normal;
 };
 
-/// The point of a triangle that is nearest to another point, clamped to the triangle.
+/// The point of a segment that is nearest to another point.
+Vec3 nearestOf(const Vec3 &a, const Vec3 &b, const Vec3 &point) {
+  const Vec3 along = b - a;
+  const double length = along.squaredNorm();
+  return length > 0.0 ? Vec3(a + std::clamp((point - a).dot(along) / length, 0.0, 1.0) * along) : a;
+}
+
+/// The point of a triangle that is nearest to another point.
 Vec3 nearestOf(const std::array<Vec3, 3> &corners, const Vec3 &point) {
   const Vec3 u = corners[1] - corners[0], v = corners[2] - corners[0], w = point - corners[0];
   Eigen::Matrix2d gram;
   gram << u.dot(u), u.dot(v), u.dot(v), v.dot(v);
-  if (!(gram.determinant() > 0.0)) return corners[0];
-  Eigen::Vector2d weights = gram.inverse() * Eigen::Vector2d(u.dot(w), v.dot(w));
-  weights = weights.cwiseMax(0.0);
-  if (weights.sum() > 1.0) weights /= weights.sum();
-  return corners[0] + weights[0] * u + weights[1] * v;
+  if (gram.determinant() > 0.0) {
+    const Eigen::Vector2d weights = gram.inverse() * Eigen::Vector2d(u.dot(w), v.dot(w));
+    if (weights.minCoeff() >= 0.0 && weights.sum() <= 1.0) return corners[0] + weights[0] * u + weights[1] * v;
+  }
+  Vec3 nearest = corners[0];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 at = nearestOf(corners[k], corners[(k + 1) % 3], point);
+    if ((at - point).squaredNorm() < (nearest - point).squaredNorm()) nearest = at;
+  }
+  return nearest;
 }
 
 /// The point nearest to `point` on triangles that share the nearest surfel; nothing without a body.
@@ -115,7 +127,7 @@ void ObstaclePanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
   std::vector<std::string> shapes;
   for (const ImplantShape &shape : implantShapes()) shapes.emplace_back(shape.name);
   (void)ui.choice("obstacle_shape", "Shape", shape_, shapes);
-  ui.tooltip("Shapes of the program; you choose their size next");
+  ui.tooltip("Built-in shapes; you choose their size next");
   if (ui.button("obstacle_new", "New " + shapes[shape_], snapshot && !job_)) takeShape(implantShapes()[shape_]);
   if (job_)
     if (const auto state = services_.jobs.progress(*job_)) {
@@ -207,7 +219,7 @@ void ObstaclePanel::take(const std::string &name, sdk::MeshHandle mesh) {
   one.max_mm = Vec3(info->max_mm);
   one.unit = unitIndexOf(info->unit);
   one.read_mm = kUnits_mm[one.unit];
-  one.seat_mm = one.min_mm[2];
+  one.contactPlane_mm = one.min_mm[2];
   candidate_ = std::move(one);
 }
 
@@ -228,14 +240,14 @@ void ObstaclePanel::makeShape(Candidate &candidate) {
     candidate.min_mm = candidate.min_mm.cwiseMin(at);
     candidate.max_mm = candidate.max_mm.cwiseMax(at);
   }
-  candidate.seat_mm = surface.seat_mm;
+  candidate.contactPlane_mm = surface.contactPlane_mm;
   candidate.mesh = std::make_shared<const sdk::MeshHandle>(
       meshOf(services_, MeshData{std::move(surface.positions_mm), std::move(surface.triangles)}));
   candidate.overlapped.clear();
 }
 
-double ObstaclePanel::liftOf(const Candidate &candidate, const Snapshot &snapshot, const PlacementTransform &transform,
-                             const Mat3 &rotation) {
+double ObstaclePanel::clearanceShift(const Candidate &candidate, const Snapshot &snapshot,
+                                     const PlacementTransform &transform, const Mat3 &rotation) {
   const Vec3 extent = candidate.max_mm - candidate.min_mm;
   const double highest = 0.5 * std::max(extent[0], extent[1]);  // above it is tissue that only hangs over
   double lift = 0.0;
@@ -244,7 +256,7 @@ double ObstaclePanel::liftOf(const Candidate &candidate, const Snapshot &snapsho
       const Vec3 at = transform.millimetres(vectorOf(body.surfels[i]));
       const bool isCovered = (at.array() > candidate.min_mm.array()).head<2>().all() &&
                              (at.array() < candidate.max_mm.array()).head<2>().all();
-      const double height = at[2] - candidate.seat_mm;
+      const double height = at[2] - candidate.contactPlane_mm;
       if (!isCovered || height > highest || vectorOf(body.normals[i]).dot(rotation.col(2)) < 0.0) continue;
       lift = std::max(lift,
                       height - (candidate.shape ? candidate.shape->underside(at[0], at[1], candidate.sizes_mm) : 0.0));
@@ -261,16 +273,16 @@ Placement ObstaclePanel::placementOf(const Candidate &candidate, const Snapshot 
   if (!marked || !matrix) return placement;
   const Eigen::Matrix4d world = Eigen::Map<const Eigen::Matrix4d>(matrix->data());
   const Vec3 at = (world.inverse() * Vec3(marked->data()).homogeneous()).head<3>();
-  Vec3 seat_mm = 0.5 * (candidate.min_mm + candidate.max_mm);
+  Vec3 contactPlane_mm = 0.5 * (candidate.min_mm + candidate.max_mm);
   const auto site = candidate.place == kOnSurface && snapshot ? nearestSkin(*snapshot, at) : std::nullopt;
   if (site) {
     placement.rotation = frameOf(site->normal);
-    seat_mm[2] = candidate.seat_mm;
+    contactPlane_mm[2] = candidate.contactPlane_mm;
   }
   const PlacementTransform turned(placement);
-  placement.position = (site ? site->at : at) - turned.metres(seat_mm);
+  placement.position = (site ? site->at : at) - turned.metres(contactPlane_mm);
   if (!site || (candidate.shape && !candidate.shape->underside)) return placement;
-  const double lift = liftOf(candidate, *snapshot, PlacementTransform(placement), placement.rotation);
+  const double lift = clearanceShift(candidate, *snapshot, PlacementTransform(placement), placement.rotation);
   placement.position += turned.metres(Vec3(0.0, 0.0, lift));
   return placement;
 }

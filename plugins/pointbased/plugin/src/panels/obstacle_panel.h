@@ -33,7 +33,7 @@ class ObstaclePanel {
     Vec3 min_mm = Vec3::Zero(), max_mm = Vec3::Zero();  ///< as read
     double read_mm = 1.0;                               ///< mm, of the unit that was assumed when it was read
     std::uint32_t unit = 0, place = 0;                  ///< the user's choice
-    double seat_mm = 0.0;                               ///< z of the plane that is placed on a surface, as read
+    double contactPlane_mm = 0.0;                       ///< z of the plane that is placed on a surface, as read
     const ImplantShape *shape = nullptr;                ///< null: a file
     std::vector<double> sizes_mm = {};                  ///< of the shape
     std::string overlapped;  ///< bodies that overlapped it when Add was pressed; adding it must then be confirmed
@@ -58,9 +58,9 @@ class ObstaclePanel {
   void keepStep(const std::string &what, const std::string &name, const Obstacle &obstacle, bool isIn);
   /// Makes a change of an obstacle on the simulation's thread. @param change  returns whether the simulation was reset
   [[nodiscard]] sdk::Result<void> post(const std::string &name, std::function<bool(Changes &)> change);
-  /// How far it has to be moved along the normal of its seat so that it touches skin but does not enter it, mm as read.
-  [[nodiscard]] static double liftOf(const Candidate &candidate, const Snapshot &snapshot,
-                                     const PlacementTransform &transform, const Mat3 &rotation);
+  /// How far it has to be moved along the normal of its contact plane so that it touches skin but does not enter it, mm as read.
+  [[nodiscard]] static double clearanceShift(const Candidate &candidate, const Snapshot &snapshot,
+                                             const PlacementTransform &transform, const Mat3 &rotation);
   [[nodiscard]] Placement placementOf(const Candidate &candidate, const Snapshot *snapshot) const;
   /// Names of the bodies whose skin is inside the candidate; empty if none.
   [[nodiscard]] std::string bodiesIn(const Candidate &candidate, const Snapshot &snapshot) const;

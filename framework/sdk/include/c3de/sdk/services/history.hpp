@@ -37,7 +37,7 @@ class History : public Service<c3de_history_v1> {
     if (done) (void)box.release();
     return done;
   }
-  /// What `begin` of the last capture began has succeeded: a step, for the menu as "Undo LABEL".
+  /// The change started by `begin` of the last capture has succeeded: a step, for the menu as "Undo LABEL".
   Result<void> addCaptured(std::string_view label) const {
     if (!canCapture()) return Failure{C3DE_E_UNSUPPORTED, "the host does not capture simulations for undo"};
     return call<&c3de_history_v1::add_captured>(str(label));

@@ -10,18 +10,18 @@ namespace pointbased {
 
 namespace sdk = c3de::sdk;
 
-/// The two faces of the panel: what a user needs first, and everything. The chosen one is a setting of the user, and no
+/// The two modes of the panel: what a user needs first, and everything. The chosen one is a setting of the user, and no
 /// part of a scene or a session. Main thread.
-class PanelFace {
+class PanelMode {
  public:
   /// Simple, unless the user has chosen otherwise before.
-  explicit PanelFace(sdk::Host host);
+  explicit PanelMode(sdk::Host host);
 
   [[nodiscard]] bool isSimple() const { return isSimple_; }
   /// Two buttons, of which the chosen one is disabled.
   void draw(sdk::Ui &ui);
 
-  static constexpr std::string_view kSetting = "panel.face", kSimple = "simple", kAll = "all";
+  static constexpr std::string_view kSetting = "panel.mode", kSimple = "simple", kAll = "all";
 
  private:
   void choose(bool isSimple);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two faces of the panel of a simulation, and the search of its rows.
+// The two modes of the panel of a simulation, and the search of its rows.
 #include <filesystem>
 #include <string>
 
@@ -90,7 +90,7 @@ TEST_CASE("a new user chooses a tissue and a stiffness in kPa, plays, and sees t
 
   window.click(kPanel + "play");
   C3DE_WAIT(window, "it lands on the block",
-            !row(s, "Touches block").empty() && s["transport"]["time_s"].get<double>() > 0.5);
+            !row(s, "Contact with block").empty() && s["transport"]["time_s"].get<double>() > 0.5);
   window.choose(kPanel + "view.colour", "displacement");
   C3DE_WAIT(window, "the displacement is shown", row(s, "Colours").ends_with("mm"));
   window.click(kPanel + "pause");
@@ -106,15 +106,15 @@ TEST_CASE("a new user chooses a tissue and a stiffness in kPa, plays, and sees t
   window.screenshotAtRest("hold");
 }
 
-TEST_CASE("the face of the panel is remembered, and warnings are in both", "[panel_faces]") {
+TEST_CASE("the mode of the panel is remembered, and warnings are in both", "[panel_modes]") {
   C3DE_ORGAN_OR_SKIP();
-  const ScopedEnvironment user("C3DE_HOME", freshHome("panel_faces").string());
+  const ScopedEnvironment user("C3DE_HOME", freshHome("panel_modes").string());
   {
-    WorkstationDriver window("panel_faces");
+    WorkstationDriver window("panel_modes");
     openAsNewUser(window);
     CHECK(isSimple(window.state()));
     const std::string hash = window.state()["transport"].dump();
-    window.click(kPanel + "view.face.all");
+    window.click(kPanel + "view.mode.all");
     const Json all = C3DE_WAIT(window, "all rows are shown", isAll(s) && hasWidget(s, "rows.search"));
     CHECK(widgetCount(all) > 60);
     for (const char *line : {"Displacement", "Stress and strain", "Singular regions"})
@@ -125,15 +125,15 @@ TEST_CASE("the face of the panel is remembered, and warnings are in both", "[pan
     CHECK(window.waitForExit() == 0);
   }
   {
-    WorkstationDriver window("panel_faces_again");
+    WorkstationDriver window("panel_modes_again");
     openAsNewUser(window);
     CHECK(isAll(window.state()));
-    window.click(kPanel + "view.face.simple");
+    window.click(kPanel + "view.mode.simple");
     C3DE_WAIT(window, "it is simple", isSimple(s));
     window.key("ctrl+q");
     CHECK(window.waitForExit() == 0);
   }
-  WorkstationDriver window("panel_faces_simple");
+  WorkstationDriver window("panel_modes_simple");
   openAsNewUser(window);
   CHECK(isSimple(window.state()));
 }
@@ -155,7 +155,7 @@ TEST_CASE("rows of a panel are searched by label, id and tooltip, and Esc ends i
   CHECK_FALSE(hasWidget(found, "solver.dt"));
   CHECK_FALSE(hasWidget(found, "pinch"));
   CHECK(found["tool"] == "orbit");
-  CHECK(hasWidget(found, "view.face.simple"));
+  CHECK(hasWidget(found, "view.mode.simple"));
   window.screenshot("found");  // the text cursor blinks
 
   window.key("Escape");

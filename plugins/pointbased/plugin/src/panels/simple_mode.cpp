@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simple face of the panel: what a user needs first.
+// The simple mode of the panel: what a user needs first.
 #include "panels/controller.h"
 #include "panels/holds_panel.h"
 
@@ -41,7 +41,7 @@ void Controller::drawTissue(sdk::Ui &ui, const Snapshot &snapshot) {
 }
 
 void Controller::drawSupports(sdk::Ui &ui, const Snapshot &snapshot) {
-  ui.heading("What holds it");
+  ui.heading("Supports");
   if (const BodySnapshot *body = snapshot.body(body_)) drawHolds(ui, snapshot, *body);
   if (tools_.load.isActive()) {
     loads_.draw(ui, &snapshot);
