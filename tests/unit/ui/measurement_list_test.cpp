@@ -110,6 +110,11 @@ TEST_CASE("Curves are bounded, and a reset discards what came after it") {
   CHECK_THAT(curve.front().value, WithinAbs(30.0, 1e-12));
   CHECK_THAT(curve.back().value, WithinAbs(30.0 + kSamples - 1, 1e-9));
   for (const auto &p : curve) CHECK_THAT(p.value - 30.0, WithinAbs(100.0 * p.time_s, 1e-6));
+  // The past is as dense as what came later.
+  for (std::size_t i = 1; i + 1 < curve.size(); ++i) {
+    const double gap_s = curve[i].time_s - curve[i - 1].time_s;
+    CHECK((gap_s > 0.039 && gap_s < 0.081));
+  }
   list.addPositions({{"a", {0, 0, 0}}, {"b", {30, 0, 0}}}, 0.0);
   CHECK(list.sampleCount() == 1);
   list.addPositions({{"a", {0, 0, 0}}, {"b", {31, 0, 0}}}, 0.5);

@@ -146,17 +146,24 @@ void MeasurementList::assign(MeasurementSet set) {
 void MeasurementList::addPositions(const std::map<std::string, Vec3> &positions_mm, double time_s) {
   positions_ = positions_mm;
   while (!samples_.empty() && samples_.back().time_s >= time_s) samples_.pop_back();
+  if (samples_.empty()) interval_s_ = 0.0;
+  // The latest one is always kept; it is replaced until it is far enough from the one before it.
+  const std::size_t n = samples_.size();
+  if (n > 1 && samples_[n - 1].time_s - samples_[n - 2].time_s < interval_s_) samples_.pop_back();
   samples_.push_back({time_s, positions_mm});
   if (samples_.size() < kMostSamples) return;
   std::deque<Sample> kept;
   for (std::size_t i = 0; i < samples_.size(); ++i)
     if (i % 2 == 0 || i + 1 == samples_.size()) kept.push_back(std::move(samples_[i]));
   samples_ = std::move(kept);
+  constexpr double kOfMean = 0.99;  // samples at equal intervals remain so in spite of rounding
+  interval_s_ = kOfMean * (samples_.back().time_s - samples_.front().time_s) / static_cast<double>(samples_.size() - 1);
 }
 
 void MeasurementList::forgetPositions() {
   positions_.clear();
   samples_.clear();
+  interval_s_ = 0.0;
 }
 
 Vec3 MeasurementList::positionOf(const MeasuredPoint &point) const {

@@ -123,7 +123,7 @@ class MeasurementList {
   [[nodiscard]] std::optional<TargetErrors> targetErrors() const;
   /// Value of a row over time: mm or degrees; of a landmark its displacement.
   [[nodiscard]] std::vector<CurvePoint2> curve(const std::string &name) const;
-  /// Number of kept times. At the limit every second one is dropped.
+  /// Number of kept times. At the limit every second one is dropped, and later ones are kept at this larger interval.
   [[nodiscard]] std::size_t sampleCount() const { return samples_.size(); }
   static constexpr std::size_t kMostSamples = 2000;
   /// Of the last kept time; none: there is no past.
@@ -152,6 +152,7 @@ class MeasurementList {
   std::uint64_t revision_ = 0, lastRevision_ = 0;
   std::map<std::string, Vec3> positions_;
   std::deque<Sample> samples_;
+  double interval_s_ = 0.0;  ///< of kept times, at least
 };
 
 }  // namespace c3de::ui
