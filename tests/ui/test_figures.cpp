@@ -113,11 +113,11 @@ TEST_CASE("a figure has its size on paper, states its resolution, and shows a li
   CHECK(size.unit == 1);
   const auto four = render::readPng(file);
   REQUIRE(four.has_value());
-  // The ground of the 3D view is white, what is beside the image in slices is black.
+  // The background of the 3D view is white, what is beside the image in slices is black.
   CHECK(shareOfGrey(*four, 255, 0) > 0.1);
   CHECK(shareOfGrey(*four, 0, 2) > 0.1);
 
-  // A single view, larger than the screen, with a dark ground.
+  // A single view, larger than the screen, with a dark background.
   window.key("shift+F12");
   C3DE_WAIT(window, "the dialog has the last values", textOf(s, "figure/width") == "120");
   window.choose("figure/views", "3d");

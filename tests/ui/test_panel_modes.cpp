@@ -67,7 +67,7 @@ TEST_CASE("a new user chooses a tissue and a stiffness in kPa, plays, and sees t
   CHECK_FALSE(hasWidget(first, "rows.search"));
   CHECK(row(first, "Neighbours").empty());
   CHECK(row(first, "material.youngs_modulus") == "6 kPa");
-  CHECK(row(first, "tissue") == "own values");
+  CHECK(row(first, "tissue") == "custom");
   CHECK_THAT(row(first, "world.gravity"), Contains("m/s²"));
   CHECK(row(first, "accuracy.error_mm") == "auto");
   CHECK_THAT(first.dump(), Contains("Stress and strain") && Contains("Singular regions"));
@@ -77,13 +77,13 @@ TEST_CASE("a new user chooses a tissue and a stiffness in kPa, plays, and sees t
   C3DE_WAIT(window, "it is spleen", row(s, "tissue") == "spleen" && row(s, "material.youngs_modulus") == "3 kPa");
   window.enterNumber(kPanel + "material.youngs_modulus", "4.5");
   C3DE_WAIT(window, "it has a stiffness of its own",
-            row(s, "material.youngs_modulus") == "4.5 kPa" && row(s, "tissue") == "own values");
+            row(s, "material.youngs_modulus") == "4.5 kPa" && row(s, "tissue") == "custom");
   window.moveTo(window.inView(0.5, 0.5));
   window.key("ctrl+z");
   C3DE_WAIT(window, "the stiffness is undone", row(s, "tissue") == "spleen");
   window.key("ctrl+z");
   C3DE_WAIT(window, "the tissue is undone",
-            row(s, "tissue") == "own values" && row(s, "material.youngs_modulus") == "6 kPa");
+            row(s, "tissue") == "custom" && row(s, "material.youngs_modulus") == "6 kPa");
   window.key("ctrl+y");
   window.key("ctrl+y");
   window.waitForValue(kPanel + "material.youngs_modulus", "4.5 kPa");

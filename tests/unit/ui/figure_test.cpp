@@ -69,7 +69,7 @@ TEST_CASE("A figure that cannot be drawn is refused with the value and what is a
 
 TEST_CASE("Settings of figures are read back, and damaged ones are the usual ones") {
   FigureSettings settings = column();
-  settings.isLight = settings.hasNotes = false;
+  settings.isLight = settings.hasAnnotations = false;
   settings.views = FigureViews::coronal;
   settings.shape = FigureShape::fourToThree;
   settings.text_pt = 9.5;

@@ -58,8 +58,8 @@ TEST_CASE("Memory of curves is bounded, and they still span all the time") {
   PlotList plots;
   for (int i = 0; i < 50000; ++i) plots.add(1e-3 * i, {force(i)});
   const std::vector<PlotPoint> &points = plots.series().front().points;
-  CHECK(points.size() <= PlotList::kMostPoints);
-  CHECK(points.size() > PlotList::kMostPoints / 4);
+  CHECK(points.size() <= PlotList::kMaxPoints);
+  CHECK(points.size() > PlotList::kMaxPoints / 4);
   CHECK(points.front().time_s < 0.1);
   CHECK(points.back().value == 49999.0);
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -67,7 +67,30 @@ TEST_CASE("Memory of curves is bounded, and they still span all the time") {
     REQUIRE(points[i].time_s - points[i - 1].time_s < 0.15);  // evenly over 50 s
   }
   for (int i = 0; i < 1000; ++i) plots.add(60.0, {{"s" + std::to_string(i), "", "", 1.0}});
-  CHECK(plots.series().size() == PlotList::kMostSeries);
+  CHECK(plots.series().size() == PlotList::kMaxSeries);
+}
+
+TEST_CASE("Curves of scenes that were closed leave room for those of others, and choices are kept") {
+  PlotList plots;
+  for (std::size_t scene = 0; scene < 3; ++scene) {
+    for (std::size_t i = 0; i < PlotList::kMaxSeries; ++i)
+      plots.add(0.0, {{std::to_string(scene) + "." + std::to_string(i), "", "", 1.0}});
+    CHECK(plots.series().size() == PlotList::kMaxSeries);
+    CHECK(plots.series().front().last.id == std::to_string(scene) + ".0");
+    plots.show("0.0", true);
+    plots.clear();
+    CHECK(plots.series().empty());
+  }
+  plots.add(0.0, {{"0.0", "", "", 1.0}});
+  CHECK(plots.shownCount() == 1);
+}
+
+TEST_CASE("Curves without points make room for others") {
+  PlotList plots;
+  for (std::size_t i = 0; i < PlotList::kMaxSeries; ++i) plots.add(1.0, {{std::to_string(i), "", "", 1.0}});
+  plots.add(0.0, {force(1.0)});
+  REQUIRE(plots.series().size() == 1);
+  CHECK(plots.series().front().last.id == "force");
 }
 
 TEST_CASE("What is not finite is no point of a curve") {

@@ -53,7 +53,7 @@ const std::vector<const char *> kMaterial{C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_Y
 
 TEST_CASE("a tissue sets its values in one step of undo, and is recognised by them") {
   Fixture f(kMaterial);
-  CHECK(f.chosen() == "own values");
+  CHECK(f.chosen() == "custom");
   for (const scene::MaterialPreset &preset : f.library.presets()) {
     f.choose(preset.name.c_str());
     CHECK(f.value(C3DE_PARAM_ID_YOUNGS_MODULUS) == preset.youngsModulus);
@@ -92,7 +92,7 @@ TEST_CASE("after another stiffness the body has values of its own") {
   stiffer.id = C3DE_PARAM_ID_YOUNGS_MODULUS;
   stiffer.num = 8000.0;
   REQUIRE(f.registry.edit(f.body, stiffer));
-  CHECK(f.chosen() == "own values");
+  CHECK(f.chosen() == "custom");
   f.registry.history().undo(f.registry);
   CHECK(f.chosen() == "liver");
 }

@@ -19,9 +19,9 @@ namespace c3de::app {
 namespace {
 
 constexpr const char *kStoreId = "c3de.figure", *kSettingsKey = "settings", *kScreenshotKey = "screenshot";
-constexpr const char *kFigureFailed = "The figure was not saved",
+constexpr const char *kFigureFailed = "The figure was not written",
                      *kScreenshotFailed = "The screenshot could not be saved";
-constexpr double kDrawnPart = 0.7;  // of the progress; the rest is encoding and writing
+constexpr double kDrawingFraction = 0.7;  // of the progress; the rest is encoding and writing
 constexpr std::chrono::milliseconds kBetweenReports{50};
 /// Height of a picture whose texts have the size that they have in a window.
 constexpr double kUsualHeight_px = 1080.0;
@@ -42,6 +42,12 @@ auto writerOf(const std::filesystem::path &file) {
   };
 }
 
+std::vector<std::pair<Handle, bool>> visibilityOf(const scene::SceneGraph &scene) {
+  std::vector<std::pair<Handle, bool>> nodes;
+  for (const scene::SceneGraph::Row &row : scene.rows()) nodes.emplace_back(row.node, scene.isVisible(row.node));
+  return nodes;
+}
+
 }  // namespace
 
 struct FigureController::Picture {
@@ -57,11 +63,12 @@ struct FigureController::Picture {
     for (;;) {
       if (result) return std::move(*result);
       const std::string what = fmt::format("drawing view {} of {}", std::min(drawn + 1, count), count);
-      const double fraction = count > 0 ? kDrawnPart * static_cast<double>(drawn) / static_cast<double>(count) : 0.0;
+      const double fraction =
+          count > 0 ? kDrawingFraction * static_cast<double>(drawn) / static_cast<double>(count) : 0.0;
       lock.unlock();
-      const bool goesOn = progress(fraction, what);
+      const bool shouldContinue = progress(fraction, what);
       lock.lock();
-      isCancelled = !goesOn;
+      isCancelled = !shouldContinue;
       if (isCancelled) return fail(ErrorCode::cancelled, "cancelled; nothing was written");
       changed.wait_for(lock, kBetweenReports);
     }
@@ -76,6 +83,8 @@ struct FigureController::Picture {
 struct FigureController::Drawing {
   std::unique_ptr<ui::FigurePainter> painter;
   std::shared_ptr<Picture> picture;
+  std::vector<std::pair<Handle, bool>> nodes;  ///< with their visibility, when the figure was begun
+  const char *interruption = nullptr;          ///< why its views would differ
 };
 
 FigureController::FigureController(Parts parts) : parts_(std::move(parts)), store_(registry::defaultSettingsFolder()) {
@@ -107,7 +116,7 @@ void FigureController::remember(const std::string &key, const std::string &value
 void FigureController::save(const ui::FigureSettings &settings, const std::filesystem::path &file) {
   settings_ = settings;
   remember(kSettingsKey, ui::textOf(settings));
-  if (drawing_ || wanted_) return parts_.failed(kFigureFailed, {ErrorCode::state, "another one is being drawn"});
+  if (drawing_ || wanted_) return parts_.failed(kFigureFailed, {ErrorCode::state, "another figure is being drawn"});
   wanted_ = Wanted{settings, pathText(file.filename()), writerOf(file), "Figure saved", kFigureFailed};
   parts_.window.wake();
 }
@@ -149,8 +158,15 @@ void FigureController::onPublished(const scene::Simulation &simulation) {
 }
 
 void FigureController::onRemoved() {
+  interrupt("the simulation was closed or replaced while the figure was drawn");
   const std::lock_guard lock(mutex_);
   latest_.reset();
+}
+
+void FigureController::onImageChanged() { interrupt("the image was closed or replaced while the figure was drawn"); }
+
+void FigureController::interrupt(const char *why) {
+  if (drawing_) drawing_->interruption = why;
 }
 
 std::string figureCaption(double time_s, const std::vector<ProbeToolSample> &tools) {
@@ -180,6 +196,9 @@ void FigureController::draw(const ui::SimulationView &simulation) {
     const std::lock_guard lock(picture.mutex);
     if (picture.isCancelled) return drawing_.reset();
   }
+  if (!drawing_->interruption && visibilityOf(parts_.session.sceneGraph()) != drawing_->nodes)
+    interrupt("objects were shown, hidden, added or removed while the figure was drawn");
+  if (drawing_->interruption) return endDrawing(fail(ErrorCode::state, drawing_->interruption));
   if (auto drawn = drawing_->painter->drawNext(); !drawn) return endDrawing(tl::unexpected(drawn.error()));
   {
     const std::lock_guard lock(picture.mutex);
@@ -196,6 +215,7 @@ void FigureController::begin(const Wanted &wanted, const ui::SimulationView &sim
   services.measurements = &parts_.measurements.list();
   services.measurementTools = &parts_.measurements.tools();
   parts_.session.plugins().syncScene();
+  parts_.images.followNode();
   auto painter = ui::FigurePainter::create(
       parts_.renderer, services,
       {wanted.settings, parts_.window.viewsAspect(), parts_.window.camera(), simulation.title, captionOf(simulation)});
@@ -203,6 +223,7 @@ void FigureController::begin(const Wanted &wanted, const ui::SimulationView &sim
   drawing_ = std::make_unique<Drawing>();
   drawing_->painter = std::move(*painter);
   drawing_->picture = std::make_shared<Picture>();
+  drawing_->nodes = visibilityOf(parts_.session.sceneGraph());
   drawing_->picture->count = drawing_->painter->viewCount();
   submit(drawing_->picture, wanted.name, wanted.settings.dpi, wanted.write, wanted.saved, wanted.failed);
   parts_.window.wake();
@@ -225,7 +246,7 @@ void FigureController::submit(const std::shared_ptr<Picture> &picture, const std
       [picture, dpi, write = std::move(write), written](const ProgressFn &progress) -> Expected<void> {
         const auto image = picture->wait(progress);
         if (!image) return tl::unexpected(image.error());
-        (void)progress(kDrawnPart, "encoding PNG");
+        (void)progress(kDrawingFraction, "encoding PNG");
         const auto bytes = render::encodePng(*image, dpi);
         if (!bytes) return tl::unexpected(bytes.error());
         if (!progress(1.0, "writing")) return fail(ErrorCode::cancelled, "cancelled; nothing was written");

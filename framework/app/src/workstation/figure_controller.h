@@ -43,8 +43,10 @@ class FigureController {
   void connect(ui::WindowActions &actions);
   /// Reads what captions state. [simulation's thread]
   void onPublished(const scene::Simulation &simulation);
-  /// Another simulation, or none, is the present one.
+  /// Another simulation, or none, is the present one. A figure that is being drawn is not written.
   void onRemoved();
+  /// Another image, or none, is shown. A figure that is being drawn is not written.
+  void onImageChanged();
   /// Writes curves as a picture, with the settings of the last figure. No frame of the window may be in progress.
   void savePlots(const ui::PlotList &plots, const ui::SimulationView &simulation, const std::filesystem::path &file);
   /// A figure is being drawn: what the views show must not change.
@@ -72,6 +74,8 @@ class FigureController {
   void saveScreenshot();
   void begin(const Wanted &wanted, const ui::SimulationView &simulation);
   void endDrawing(Expected<render::Image> result);
+  /// The figure that is being drawn ends with this message, outside of a frame of the window.
+  void interrupt(const char *why);
   /// Encodes and writes in a background job, as soon as there is a result.
   void submit(const std::shared_ptr<Picture> &picture, const std::string &name, double dpi, Write write,
               const char *saved, const char *failed);

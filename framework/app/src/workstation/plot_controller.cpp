@@ -15,9 +15,9 @@ namespace c3de::app {
 namespace {
 
 constexpr int kMeasurements = 1;  // as a source of curves; the simulator is 0
-constexpr std::chrono::milliseconds kShortest{50};
-constexpr int kShareOfTime = 10;  // reading takes at most one of so many parts
-constexpr std::size_t kMostWaiting = 200;
+constexpr std::chrono::milliseconds kMinInterval{50};
+constexpr int kPauseFactor = 10;  // reading takes at most one of so many parts of the time
+constexpr std::size_t kMaxWaiting = 200;
 constexpr double kFrame_s = 1.0 / 60.0;  // of simulated time, as of the accuracy setting "budget"
 
 /// Milliseconds for a frame of simulated time, with the limit of real time.
@@ -55,7 +55,7 @@ void PlotController::onPublished(const scene::Simulation &simulation) {
   const c3de_sim_transport state = simulation.state();
   // The state at which a simulation pauses is read; a replay, which publishes while paused, waits less.
   const auto pause =
-      state.mode == C3DE_SIM_PLAYING ? std::max<decltype(took_)>(kShortest, kShareOfTime * took_) : 2 * took_;
+      state.mode == C3DE_SIM_PLAYING ? std::max<decltype(took_)>(kMinInterval, kPauseFactor * took_) : 2 * took_;
   if (now - last_ < pause) return;
   last_ = now;
   const auto status = simulatorStatus(simulation.table(), simulation.object());
@@ -69,7 +69,7 @@ void PlotController::onPublished(const scene::Simulation &simulation) {
       sample.values.push_back({std::move(one.id), std::move(one.label), std::move(one.unit), one.value, one.isMain});
   took_ = std::chrono::steady_clock::now() - now;
   const std::lock_guard lock(mutex_);
-  if (waiting_.size() >= kMostWaiting) waiting_.erase(waiting_.begin());
+  if (waiting_.size() >= kMaxWaiting) waiting_.erase(waiting_.begin());
   waiting_.push_back(std::move(sample));
 }
 

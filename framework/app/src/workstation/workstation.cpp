@@ -190,7 +190,10 @@ void Workstation::createControllers() {
                                [this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); }, failed});
   WorkstationImages::Events events;
   events.shown = [this] { onImageShown(); };
-  events.closed = [this] { warp_->stop(); };
+  events.closed = [this] {
+    warp_->stop();
+    figures_->onImageChanged();
+  };
   events.failed = failed;
   events.createBodies = [this](std::vector<segmentation::BodyRequest> requests) {
     if (replay_->isReplaying()) return onFailed("The bodies were not created", {ErrorCode::state, ui::kReplayLocks});
@@ -381,6 +384,7 @@ std::string Workstation::unsaved() {
 }
 
 void Workstation::onImageShown() {
+  figures_->onImageChanged();
   render::Camera &camera = window_->camera();
   if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
   window_->requestFit();

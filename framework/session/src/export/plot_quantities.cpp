@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "c3de/core/vec.h"
 
@@ -36,6 +37,19 @@ std::optional<Vec3> quantityVector(const QuantityJson &from) {
   return out;
 }
 
+/// Adds a text to a set, with " 2" and so on after it if it is there already.
+std::string uniqueIn(std::set<std::string> &all, const std::string &text) {
+  std::string unique = text;
+  for (int i = 2; !all.insert(unique).second; ++i) unique = text + " " + std::to_string(i);
+  return unique;
+}
+
+/// Where an entry has no name: the number of its fix, otherwise its place in the list, from 1.
+std::string quantityNumber(const QuantityJson &one, std::size_t index) {
+  const QuantityJson &fix = quantityMember(one, "fix");
+  return fix.is_number_integer() ? fix.dump() : std::to_string(index + 1);
+}
+
 class QuantityCollector {
  public:
   void add(const std::string &id, const std::string &label, const std::string &unit, const QuantityJson &value,
@@ -43,11 +57,12 @@ class QuantityCollector {
     if (value.is_number()) add(id, label, unit, factor * value.get<double>(), isMain);
   }
   void add(const std::string &id, const std::string &label, const std::string &unit, double value, bool isMain) {
-    if (std::isfinite(value)) out_.push_back({id, label, unit, value, isMain});
+    if (std::isfinite(value)) out_.push_back({uniqueIn(ids_, id), label, unit, value, isMain});
   }
   [[nodiscard]] std::vector<PlotQuantity> take() { return std::move(out_); }
 
  private:
+  std::set<std::string> ids_;
   std::vector<PlotQuantity> out_;
 };
 
@@ -92,8 +107,11 @@ std::vector<PlotQuantity> plotQuantities(const std::string &report) {
   const auto each = [&](const char *key, const char *kind, const auto &visit) {
     const QuantityJson &list = quantityMember(all, key);
     if (!list.is_array()) return;
-    for (std::size_t i = 0; i < list.size(); ++i)
-      visit(list[i], quantityText(list[i], "name", kind + (" " + std::to_string(i + 1))));
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string name = quantityText(list[i], "name", kind + (" " + quantityNumber(list[i], i)));
+      visit(list[i], uniqueIn(names, name));
+    }
   };
   each("bodies", "body", [&](const QuantityJson &one, const std::string &name) { addBodyQuantities(to, one, name); });
   each("probes", "probe", [&](const QuantityJson &one, const std::string &name) { addProbeQuantities(to, one, name); });

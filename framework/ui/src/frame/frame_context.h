@@ -96,9 +96,9 @@ struct PlotStrip {
 
 /// What is drawn differently in a figure.
 struct FigureLook {
-  bool isLight = false;   ///< the 3D view
-  bool hasNotes = true;   ///< names, cross-hair, read-outs and axes
-  std::string caption{};  ///< in the 3D view, otherwise in the first slice; may be empty
+  bool isLight = false;        ///< the 3D view
+  bool hasAnnotations = true;  ///< names, cross-hair, read-outs and axes
+  std::string caption{};       ///< in the 3D view, otherwise in the first slice; may be empty
 };
 
 /// Exists as long as the window.
@@ -159,7 +159,7 @@ struct FrameContext {
   bool isFocused = true;
   const FigureLook *figure = nullptr;  ///< null: the window
 
-  [[nodiscard]] bool hasNotes() const { return !figure || figure->hasNotes; }
+  [[nodiscard]] bool hasAnnotations() const { return !figure || figure->hasAnnotations; }
   [[nodiscard]] bool isLight() const { return figure && figure->isLight; }
   void request(Command command) { commands.push_back(command); }
   /// The images if there is one to show, otherwise null.

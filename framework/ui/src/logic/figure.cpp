@@ -20,9 +20,9 @@ struct Range {
 };
 constexpr Range kWidth{"Width", 10.0, 2000.0, "mm"}, kResolution{"Resolution", 50.0, 2400.0, "dpi"},
     kTextSize{"Text", 3.0, 36.0, "pt"};
-constexpr double kMostPixels = 200e6;  // the encoder of PNG counts bytes in 32 bits
+constexpr double kMaxPixels = 200e6;  // the encoder of PNG counts bytes in 32 bits
 constexpr double kPointsPerInch = 72.0;
-constexpr int kLeastSide_px = 16;
+constexpr int kMinSide_px = 16;
 
 constexpr std::array<const char *, 4> kScreenshotIds{"view", "full_hd", "ultra_hd", "figure"},
     kScreenshotNames{"3D view, as in the window", "3D view, 1920 × 1080", "3D view, 3840 × 2160",
@@ -81,15 +81,14 @@ std::string problemOf(const FigureSettings &settings, double shownAspect, int la
   if (!accepts(kResolution, settings.dpi)) return outsideOf(kResolution, settings.dpi);
   if (!accepts(kTextSize, settings.text_pt)) return outsideOf(kTextSize, settings.text_pt);
   const FigureSize size = figureSize(settings, shownAspect);
-  if (std::min(size.width, size.height) < kLeastSide_px)
-    return fmt::format("{} × {} pixels; accepted: at least {} in each direction", size.width, size.height,
-                       kLeastSide_px);
+  if (std::min(size.width, size.height) < kMinSide_px)
+    return fmt::format("{} × {} pixels; accepted: at least {} in each direction", size.width, size.height, kMinSide_px);
   if (largestSide_px > 0 && std::max(size.width, size.height) > largestSide_px)
     return fmt::format("{} × {} pixels; accepted: up to {} in each direction, the limit of the graphics (OpenGL) here",
                        size.width, size.height, largestSide_px);
-  if (static_cast<double>(size.width) * size.height > kMostPixels)
+  if (static_cast<double>(size.width) * size.height > kMaxPixels)
     return fmt::format("{} × {} pixels; accepted: up to {:.0f} million pixels", size.width, size.height,
-                       1e-6 * kMostPixels);
+                       1e-6 * kMaxPixels);
   return {};
 }
 
@@ -103,7 +102,7 @@ std::string textOf(const FigureSettings &settings) {
                                {"dpi", settings.dpi},
                                {"text_pt", settings.text_pt},
                                {"light", settings.isLight},
-                               {"notes", settings.hasNotes},
+                               {"notes", settings.hasAnnotations},
                                {"caption", settings.hasCaption},
                                {"views", static_cast<int>(settings.views)},
                                {"shape", static_cast<int>(settings.shape)}};
@@ -118,7 +117,7 @@ FigureSettings figureSettingsOf(const std::string &text) {
   readNumber(from, "dpi", kResolution, settings.dpi);
   readNumber(from, "text_pt", kTextSize, settings.text_pt);
   readFlag(from, "light", settings.isLight);
-  readFlag(from, "notes", settings.hasNotes);
+  readFlag(from, "notes", settings.hasAnnotations);
   readFlag(from, "caption", settings.hasCaption);
   readChoice(from, "views", FigureViews::coronal, settings.views);
   readChoice(from, "shape", FigureShape::wide, settings.shape);

@@ -29,7 +29,7 @@ void addPoint(PlotList::Series &series, const PlotPoint &point) {
   // The last point is the present one; it stays if it is far enough from the one before.
   if (points.size() >= 2 && points.back().time_s - points[points.size() - 2].time_s < series.spacing_s)
     points.pop_back();
-  if (points.size() >= PlotList::kMostPoints) {
+  if (points.size() >= PlotList::kMaxPoints) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < points.size(); i += 2) points[kept++] = points[i];
     points.resize(kept);
@@ -53,6 +53,16 @@ PlotList::Series *PlotList::find(const std::string &id) {
   return found == series_.end() ? nullptr : &*found;
 }
 
+PlotList::Series *PlotList::findOrAdd(const PlotValue &value, int source) {
+  if (Series *known = find(value.id)) return known;
+  // A reset can leave curves without points.
+  if (series_.size() >= kMaxSeries) std::erase_if(series_, [](const Series &series) { return series.points.empty(); });
+  if (series_.size() >= kMaxSeries) return nullptr;
+  const auto chosen = chosen_.find(value.id);
+  series_.push_back({value, chosen == chosen_.end() ? value.isShownAtFirst : chosen->second, source});
+  return &series_.back();
+}
+
 void PlotList::add(double time_s, const std::vector<PlotValue> &values, int source) {
   if (!std::isfinite(time_s)) return;
   if (const auto last = lastTime_s_.find(source); last != lastTime_s_.end() && time_s < last->second)
@@ -62,21 +72,17 @@ void PlotList::add(double time_s, const std::vector<PlotValue> &values, int sour
   lastTime_s_[source] = time_s;
   for (const PlotValue &value : values) {
     if (!std::isfinite(value.value)) continue;
-    Series *series = find(value.id);
-    if (!series) {
-      if (series_.size() >= kMostSeries) continue;
-      series_.push_back({value, value.isShownAtFirst, source});
-      series = &series_.back();
-    }
+    Series *series = findOrAdd(value, source);
+    if (!series) continue;
     series->last = value;
     addPoint(*series, {time_s, value.value});
   }
 }
 
 void PlotList::addPast(const PlotValue &value, const std::vector<PlotPoint> &points, int source) {
-  if (const Series *known = find(value.id); (known && !known->points.empty()) || series_.size() >= kMostSeries) return;
-  if (!find(value.id)) series_.push_back({value, value.isShownAtFirst, source});
-  for (const PlotPoint &point : points) addPoint(*find(value.id), point);
+  Series *series = findOrAdd(value, source);
+  if (!series || !series->points.empty()) return;
+  for (const PlotPoint &point : points) addPoint(*series, point);
 }
 
 void PlotList::keepOnly(int source, const std::vector<std::string> &ids) {
@@ -86,11 +92,12 @@ void PlotList::keepOnly(int source, const std::vector<std::string> &ids) {
 }
 
 void PlotList::clear() {
-  for (Series &series : series_) series.points.clear();
+  series_.clear();
   lastTime_s_.clear();
 }
 
 void PlotList::show(const std::string &id, bool isShown) {
+  chosen_[id] = isShown;
   if (Series *series = find(id)) series->isShown = isShown;
 }
 

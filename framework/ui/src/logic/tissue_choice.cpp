@@ -54,12 +54,12 @@ std::vector<ParameterValue> tissueValues(const registry::ParameterSet &set, cons
 
 TissueChoice tissueChoiceOf(const registry::ParameterSet &set, const scene::MaterialLibrary &library) {
   TissueChoice out;
-  out.names.emplace_back("own values");
+  out.names.emplace_back("custom");
   for (const scene::MaterialPreset &preset : library.presets()) {
     out.names.push_back(preset.name);
     if (out.index == 0 && isOf(set, preset)) out.index = static_cast<std::uint32_t>(out.names.size() - 1);
   }
-  out.tooltip = "Sets density, Young's modulus with its range, and Poisson's ratio to values of the literature";
+  out.tooltip = "Sets density, Young's modulus with its range, and Poisson's ratio to literature values";
   if (out.index == 0) return out;
   const scene::MaterialPreset &chosen = library.presets()[out.index - 1];
   out.tooltip += "\n\nYoung's modulus " + formatNumber(1e-3 * chosen.youngsModulusMin) + " … " +

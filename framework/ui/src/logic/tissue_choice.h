@@ -13,7 +13,7 @@ namespace c3de::ui {
 
 /// A list of tissues with the one that a body has.
 struct TissueChoice {
-  std::vector<std::string> names;  ///< first "own values", then those of the library
+  std::vector<std::string> names;  ///< first "custom", then those of the library
   std::uint32_t index = 0;         ///< 0: no tissue of the library has the values of the body
   std::string tooltip;             ///< what it sets, and for the chosen tissue its range and its evidence
 

@@ -38,7 +38,7 @@ void ImGuiPanels::drawSearchField(SearchedPanel &panel) {
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - (hasText ? side + ImGui::GetStyle().ItemSpacing.x : 0.0f));
   if (panel.isWanted) ImGui::SetKeyboardFocusHere();
   const bool wasWanted = std::exchange(panel.isWanted, false);
-  ImGui::InputTextWithHint("###rows.search", "Search the rows (Ctrl+F)", panel.typed.data(), panel.typed.size());
+  ImGui::InputTextWithHint("###rows.search", "Search settings (Ctrl+F)", panel.typed.data(), panel.typed.size());
   if (wasWanted) ImGui::SetScrollHereY(0.2f);
   panel.wasFocused = wasWanted || ImGui::IsItemActive();
   const bool isEscaped = ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);

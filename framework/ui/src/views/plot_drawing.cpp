@@ -67,10 +67,10 @@ struct PlotFrame {
   }
 };
 
-struct Inks {
-  ImU32 text, dim, line, ground, now;
+struct TextColours {
+  ImU32 text, dim, line, background, now;
 };
-Inks inksOf(bool isLight) {
+TextColours textColoursOf(bool isLight) {
   if (isLight)
     return {IM_COL32(20, 23, 28, 255), IM_COL32(84, 92, 104, 255), IM_COL32(170, 176, 186, 255),
             IM_COL32(247, 248, 250, 255), IM_COL32(40, 110, 125, 255)};
@@ -78,17 +78,17 @@ Inks inksOf(bool isLight) {
           IM_COL32(90, 200, 250, 210)};
 }
 
-void drawBand(ImDrawList *list, const Band &band, const PlotFrame &at, const Inks &inks) {
+void drawBand(ImDrawList *list, const Band &band, const PlotFrame &at, const TextColours &colours) {
   const PixelRect &r = at.rect;
   const float line = ImGui::GetTextLineHeight();
-  list->AddRectFilled(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), inks.ground);
-  list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), inks.line);
+  list->AddRectFilled(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), colours.background);
+  list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), colours.line);
   const auto rightText = [&](float y, ImU32 tint, const std::string &text) {
     list->AddText(ImVec2(r.x - kTextGap_px - ImGui::CalcTextSize(text.c_str()).x, y), tint, text.c_str());
   };
-  rightText(r.y - 1.0f, inks.dim, plotNumber(band.most));
-  if (r.h > 2.0f * line) rightText(r.y + r.h - line + 1.0f, inks.dim, plotNumber(band.least));
-  if (r.h > 3.2f * line) rightText(r.y + 0.5f * (r.h - line), inks.text, band.unit.empty() ? "1" : band.unit);
+  rightText(r.y - 1.0f, colours.dim, plotNumber(band.most));
+  if (r.h > 2.0f * line) rightText(r.y + r.h - line + 1.0f, colours.dim, plotNumber(band.least));
+  if (r.h > 3.2f * line) rightText(r.y + 0.5f * (r.h - line), colours.text, band.unit.empty() ? "1" : band.unit);
   list->PushClipRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), true);
   float legendX = r.x + 2.0f * kTextGap_px;
   std::vector<ImVec2> pixels;
@@ -151,7 +151,7 @@ std::optional<PlotReadout> drawPlots(ImDrawList *list, const PixelRect &area, co
     end_s = std::max(end_s, *look.now_s);
   }
   end_s = std::max(end_s, begin_s + 1e-6);
-  const Inks inks = inksOf(look.isLight);
+  const TextColours colours = textColoursOf(look.isLight);
   const float line = ImGui::GetTextLineHeight(), left = ImGui::CalcTextSize("-1.234e-05").x + 2.0f * kTextGap_px;
   const float gap = 5.0f, bottom = area.y + area.h - line - 2.0f;
   const auto count = static_cast<float>(bands.size());
@@ -159,21 +159,22 @@ std::optional<PlotReadout> drawPlots(ImDrawList *list, const PixelRect &area, co
   PixelRect rect{area.x + left, area.y, std::max(area.w - left - kTextGap_px, 1.0f), height};
   const PixelRect first = rect;
   for (const Band &band : bands) {
-    drawBand(list, band, {rect, begin_s, end_s, band.low, band.high}, inks);
+    drawBand(list, band, {rect, begin_s, end_s, band.low, band.high}, colours);
     rect.y += height + gap;
   }
   const PlotFrame all{{first.x, area.y, first.w, bottom - area.y}, begin_s, end_s, 0.0, 1.0};
-  list->AddText(ImVec2(first.x, bottom + 1.0f), inks.dim, fmt::format("{:.3f} s", begin_s).c_str());
+  list->AddText(ImVec2(first.x, bottom + 1.0f), colours.dim, fmt::format("{:.3f} s", begin_s).c_str());
   const std::string end = fmt::format("{:.3f} s", end_s), name = "simulated time";
-  list->AddText(ImVec2(first.x + first.w - ImGui::CalcTextSize(end.c_str()).x, bottom + 1.0f), inks.dim, end.c_str());
-  list->AddText(ImVec2(first.x + 0.5f * (first.w - ImGui::CalcTextSize(name.c_str()).x), bottom + 1.0f), inks.dim,
+  list->AddText(ImVec2(first.x + first.w - ImGui::CalcTextSize(end.c_str()).x, bottom + 1.0f), colours.dim,
+                end.c_str());
+  list->AddText(ImVec2(first.x + 0.5f * (first.w - ImGui::CalcTextSize(name.c_str()).x), bottom + 1.0f), colours.dim,
                 name.c_str());
   if (look.now_s) {
     const float x = all.x(*look.now_s);
-    list->AddLine(ImVec2(x, area.y), ImVec2(x, bottom), inks.now, 1.0f);
+    list->AddLine(ImVec2(x, area.y), ImVec2(x, bottom), colours.now, 1.0f);
   }
   if (!look.hoverX || *look.hoverX < first.x || *look.hoverX > first.x + first.w) return std::nullopt;
-  list->AddLine(ImVec2(*look.hoverX, area.y), ImVec2(*look.hoverX, bottom), inks.text, 1.0f);
+  list->AddLine(ImVec2(*look.hoverX, area.y), ImVec2(*look.hoverX, bottom), colours.text, 1.0f);
   const double share = static_cast<double>((*look.hoverX - first.x) / first.w);
   return readoutAt(bands, begin_s + share * (end_s - begin_s));
 }

@@ -27,7 +27,7 @@ struct SliceCanvas {
   [[nodiscard]] float px(float logical) const { return frame.theme.px(logical); }
   /// Height of the read-out at the bottom: while images deform it has an additional line for the tissue.
   [[nodiscard]] float readoutHeight() const {
-    if (!frame.hasNotes()) return 0.0f;
+    if (!frame.hasAnnotations()) return 0.0f;
     return (images.showsDisplacement() ? 2.0f : 1.0f) * (ImGui::GetTextLineHeight() + px(2.0f));
   }
 };

@@ -127,7 +127,7 @@ void drawMarks(const SliceCanvas &canvas, const render::Renderer &renderer) {
 }
 
 void drawCrossHair(const SliceCanvas &canvas) {
-  const bool isShown = canvas.frame.hasNotes() && canvas.images.options().showsCrossHair &&
+  const bool isShown = canvas.frame.hasAnnotations() && canvas.images.options().showsCrossHair &&
                        canvas.view.isOnSlice(canvas.images.crossHair());
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".cross_hair",
                                 isShown ? "shown" : "hidden");
@@ -302,7 +302,7 @@ void drawTexts(const SliceCanvas &canvas) {
 /// A small cross in the 3D view, in front of everything.
 void drawCrossInSpace(FrameContext &frame, const ImageViews &images) {
   const PixelRect &r = frame.view;
-  if (r.isEmpty() || !images.options().showsCrossHair || !frame.hasNotes()) return;
+  if (r.isEmpty() || !images.options().showsCrossHair || !frame.hasAnnotations()) return;
   const auto pixelOf = [&](const Vec3 &world) {
     const Vec3 p = frame.camera.project(world, static_cast<int>(r.w), static_cast<int>(r.h));
     return std::pair(ImVec2(r.x + static_cast<float>(p[0]), r.y + static_cast<float>(p[1])), p[2]);
@@ -339,11 +339,11 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawOverlayLegend(canvas);
     drawMissingLegend(canvas);
     drawConvention(canvas);
-    if (frame.hasNotes()) drawTexts(canvas);
+    if (frame.hasAnnotations()) drawTexts(canvas);
     drawCaption(canvas);
     drawMarks(canvas, renderer);
     drawMeasurementsInSlice(canvas);
-    if (frame.hasNotes())
+    if (frame.hasAnnotations())
       list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
                     1.0f);
     list->PopClipRect();

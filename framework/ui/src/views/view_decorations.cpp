@@ -63,9 +63,9 @@ void drawViewDecorations(FrameContext &frame) {
   ImDrawList *list = ImGui::GetBackgroundDrawList();
   const PixelRect &view = frame.view;
   list->PushClipRect(ImVec2(view.x, view.y), ImVec2(view.x + view.w, view.y + view.h));
-  if (frame.hasNotes()) drawAxes(frame, list);
+  if (frame.hasAnnotations()) drawAxes(frame, list);
   ImVec2 at(view.x + frame.theme.px(14.0f), view.y + frame.theme.px(10.0f));
-  if (frame.hasNotes() && frame.simulation.exists && !frame.simulation.title.empty()) {
+  if (frame.hasAnnotations() && frame.simulation.exists && !frame.simulation.title.empty()) {
     ImGui::PushFont(frame.theme.bold);
     list->AddText(at, inkOf(frame), frame.simulation.title.c_str());
     at.y += 1.4f * ImGui::GetTextLineHeight();

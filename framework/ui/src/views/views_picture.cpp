@@ -44,9 +44,9 @@ class ViewsPainter {
         frame_(size_[0], size_[1], static_cast<float>(look_.scale)) {
     image_.width = look_.width;
     image_.height = look_.height;
-    const std::uint8_t ground = look_.figure && look_.figure->isLight ? 255 : 0;
+    const std::uint8_t background = look_.figure && look_.figure->isLight ? 255 : 0;
     image_.rgb.assign(std::size_t{3} * static_cast<std::size_t>(look_.width) * static_cast<std::size_t>(look_.height),
-                      ground);
+                      background);
     const PixelRect area{0, 0, static_cast<float>(size_[0]), static_cast<float>(size_[1])};
     panes_ = layOutViews(area, images());
     addParts();
@@ -230,7 +230,8 @@ Expected<std::unique_ptr<FigurePainter>> FigurePainter::create(render::Renderer 
   look.height = size.height;
   look.scale = size.scale;
   look.title = request.title;
-  look.figure = FigureLook{settings.isLight, settings.hasNotes, settings.hasCaption ? request.caption : std::string()};
+  look.figure =
+      FigureLook{settings.isLight, settings.hasAnnotations, settings.hasCaption ? request.caption : std::string()};
   impl->views.emplace(renderer, used, request.camera, std::move(look));
   if (impl->images) keepSliceParts(*services.images, *impl->images);
   if (auto laidOut = impl->views->drawTexts(); !laidOut) return tl::unexpected(laidOut.error());

@@ -83,8 +83,7 @@ void drawCommandPalette(FrameContext &frame) {
   const auto isPressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); };
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::InputTextWithHint("###words", "Words of a name or a description", palette.words.data(),
-                               palette.words.size()))
+  if (ImGui::InputTextWithHint("###words", "Name or description", palette.words.data(), palette.words.size()))
     palette.chosen = 0;
   markItem(frame, kArea, "words");
   std::vector<Found> found = matches(frame);

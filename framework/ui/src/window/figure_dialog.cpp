@@ -25,7 +25,7 @@ constexpr std::array<FigureOption, 6> kFigureViews{{{"shown", "As in the window"
                                                     {"coronal", "Coronal"}}};
 constexpr std::array<FigureOption, 4> kFigureShapes{
     {{"shown", "As in the window"}, {"4_3", "4 : 3"}, {"1_1", "1 : 1"}, {"16_9", "16 : 9"}}};
-constexpr std::array<FigureOption, 2> kFigureGrounds{{{"light", "Light"}, {"dark", "Dark"}}};
+constexpr std::array<FigureOption, 2> kFigureBackgrounds{{{"light", "Light"}, {"dark", "Dark"}}};
 
 void figureLabel(const FrameContext &frame, const char *label) {
   ImGui::AlignTextToFramePadding();
@@ -79,19 +79,20 @@ void figureBox(FrameContext &frame, const char *id, const char *label, bool &val
 void drawFigureSettings(FrameContext &frame, FigureSettings &wanted) {
   figureNumber(frame, "width", "Width", "mm on paper", wanted.width_mm,
                "Often 80 to 90 mm for one column of a journal, 170 to 180 mm for two");
-  figureNumber(frame, "dpi", "Resolution", "dpi", wanted.dpi,
-               "Pixels per inch. The file states it, so that other programs use the figure in its size");
+  figureNumber(
+      frame, "dpi", "Resolution", "dpi", wanted.dpi,
+      "Pixels per inch. The resolution is stored in the file, so other programs show the figure at its physical size");
   figureNumber(frame, "text", "Text", "pt", wanted.text_pt, "Size of the text on paper; lines are scaled with it");
   figureChoice(frame, "views", "Views", kFigureViews, wanted.views,
                frame.shownImages() ? "" : "Without an image there is only the 3D view.");
   figureChoice(frame, "shape", "Shape", kFigureShapes, wanted.shape);
-  auto ground = static_cast<std::size_t>(wanted.isLight ? 0 : 1);
-  figureChoice(frame, "background", "Background", kFigureGrounds, ground);
-  wanted.isLight = ground == 0;
-  figureBox(frame, "notes", "Names, cross-hair, read-outs and axes", wanted.hasNotes,
+  auto background = static_cast<std::size_t>(wanted.isLight ? 0 : 1);
+  figureChoice(frame, "background", "Background", kFigureBackgrounds, background);
+  wanted.isLight = background == 0;
+  figureBox(frame, "notes", "Names, cross-hair, read-outs and axes", wanted.hasAnnotations,
             "Legends, scale bars, orientation letters and measurements are always drawn");
   figureBox(frame, "caption", "Time and forces of the simulation", wanted.hasCaption,
-            "The simulated time, and the forces on tools of the scene");
+            "The simulated time, and the force on each probe tool");
 }
 
 void chooseFigureFile(FrameContext &frame, const FigureSettings &wanted) {
@@ -168,7 +169,7 @@ void drawScreenshotMenu(FrameContext &frame) {
     if (ImGui::MenuItem(nameOf(size), nullptr, size == chosen)) actions.setScreenshotSize(size);
     markItem(frame, "menu", std::string("file.screenshot_size.") + idOf(size));
     itemTooltip(frame, size == ScreenshotSize::figure ? "F12 writes a figure with the settings of File > Save figure…"
-                                                      : "F12 writes the 3D view, without texts around it");
+                                                      : "F12 writes the 3D view, without overlays");
   }
   ImGui::EndMenu();
 }

@@ -14,7 +14,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr const char *kPlotArea = "plots";
-constexpr float kLeastStrip_px = 90.0f, kPlotGrip_px = 5.0f, kPlotList_px = 230.0f;
+constexpr float kMinStrip_px = 90.0f, kPlotGrip_px = 5.0f, kPlotList_px = 230.0f;
 
 void savePlots(FrameContext &frame, bool isPicture) {
   FileDialog::Request request;
@@ -86,7 +86,7 @@ void drawPlotGrip(FrameContext &frame, const PixelRect &area) {
   if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
   if (ImGui::IsItemActive())
     frame.state.plots.height =
-        std::max(frame.state.plots.height - ImGui::GetIO().MouseDelta.y / frame.theme.scale, kLeastStrip_px);
+        std::max(frame.state.plots.height - ImGui::GetIO().MouseDelta.y / frame.theme.scale, kMinStrip_px);
 }
 
 void drawCurves(FrameContext &frame, const PlotList &plots) {
@@ -95,7 +95,7 @@ void drawCurves(FrameContext &frame, const PlotList &plots) {
   if (plots.shownCount() == 0) {
     ImGui::TextColored(colour::kDim, "%s",
                        plots.series().empty() ? "No quantities yet: they appear as the simulation runs."
-                                              : "Check quantities on the left.");
+                                              : "Select quantities on the left.");
     return;
   }
   PlotLook look;
@@ -132,7 +132,7 @@ void drawPlotStrip(FrameContext &frame, const PixelRect &area) {
              [&] { savePlots(frame, false); });
   plotButton(frame, "png", "PNG…", "Save the shown curves as a picture, with the settings of the last figure",
              hasCurves, [&] { savePlots(frame, true); });
-  plotButton(frame, "close", "Close", "The curves go on when the strip is shown again  (Ctrl+T)", true,
+  plotButton(frame, "close", "Close", "Values are recorded again when the strip is shown  (Ctrl+T)", true,
              [&] { frame.request(Command::showPlots); });
   ImGui::NewLine();
   ImGui::BeginChild("names");

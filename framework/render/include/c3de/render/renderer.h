@@ -140,8 +140,8 @@ class Renderer {
   /// How a picture differs from what a window shows.
   struct PictureStyle {
     float scale = 1.0f;                    ///< pixels per pixel of text, lines and legends: 2 doubles their size; > 0
-    bool isLight = false;                  ///< legends have dark text on a light ground
-    bool isFinal = false;                  ///< draw() leaves no part coarse, whatever time it takes
+    bool isLight = false;                  ///< legends have dark text on a light background
+    bool isFinal = false;                  ///< draw() renders at full quality, without a time limit
     std::optional<Background> background;  ///< instead of that of setBackground()
   };
   /// For draw() and drawToImage() from now on; {} restores that of windows. Not counted by changes(): no cached picture

@@ -26,12 +26,12 @@ enum class FigureShape {
 
 /// A figure as the user wants it. Value type.
 struct FigureSettings {
-  double width_mm = 170.0;  ///< on paper: two columns of a journal
-  double dpi = 300.0;       ///< pixels per inch
-  double text_pt = 7.0;     ///< size of the text on paper, points of 1/72 inch
-  bool isLight = true;      ///< background of the 3D view; slices are as in the window
-  bool hasNotes = true;     ///< names, cross-hair, read-outs and axes
-  bool hasCaption = true;   ///< simulated time and forces, where there is a simulation
+  double width_mm = 170.0;     ///< on paper: two columns of a journal
+  double dpi = 300.0;          ///< pixels per inch
+  double text_pt = 7.0;        ///< size of the text on paper, points of 1/72 inch
+  bool isLight = true;         ///< background of the 3D view; slices are as in the window
+  bool hasAnnotations = true;  ///< names, cross-hair, read-outs and axes
+  bool hasCaption = true;      ///< simulated time and forces, where there is a simulation
   FigureViews views = FigureViews::shown;
   FigureShape shape = FigureShape::shown;
   friend bool operator==(const FigureSettings &, const FigureSettings &) = default;

@@ -37,20 +37,21 @@ class PlotList {
     /// Of the last point that is not after this time; none: the curve begins later.
     [[nodiscard]] std::optional<double> valueAt(double time_s) const;
   };
-  /// At this number of points, every second one of a curve is dropped, and further ones are as far apart.
-  static constexpr std::size_t kMostPoints = 2000;
+  /// At this number of points, every second one of a curve is dropped, and later points are recorded at this larger
+  /// interval.
+  static constexpr std::size_t kMaxPoints = 2000;
   /// Further quantities are ignored.
-  static constexpr std::size_t kMostSeries = 400;
+  static constexpr std::size_t kMaxSeries = 400;
 
   /// Values at a time of the simulation; those that are not finite are omitted. A time before the last one of its
   /// source discards the part of the source's curves after it: the simulation was reset, or a replay has jumped back.
   /// @param source  of values that are read at the same times
   void add(double time_s, const std::vector<PlotValue> &values, int source = 0);
-  /// A curve that exists from before; no effect where there is one with this id.
+  /// Adds earlier values of a quantity; no effect where there is a curve with this id.
   void addPast(const PlotValue &value, const std::vector<PlotPoint> &points, int source = 0);
   /// Removes the curves of a source with other ids.
   void keepOnly(int source, const std::vector<std::string> &ids);
-  /// Forgets all points; what was chosen is kept for quantities that return.
+  /// Removes all curves; what was chosen is kept for quantities that return.
   void clear();
 
   [[nodiscard]] const std::vector<Series> &series() const { return series_; }
@@ -62,9 +63,12 @@ class PlotList {
 
  private:
   [[nodiscard]] Series *find(const std::string &id);
+  /// None: there are kMaxSeries already.
+  [[nodiscard]] Series *findOrAdd(const PlotValue &value, int source);
 
   std::vector<Series> series_;
-  std::map<int, double> lastTime_s_;  ///< by source
+  std::map<int, double> lastTime_s_;    ///< by source
+  std::map<std::string, bool> chosen_;  ///< by id: whether the user wants to see it
 };
 
 /// "0.0123", "1.23e+04": four digits.

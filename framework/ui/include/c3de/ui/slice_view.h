@@ -51,7 +51,7 @@ class SliceView {
   void setSize(int width, int height);
   /// Fits the whole image into the view; the slice does not change.
   void fit();
-  /// The whole image is in view, also after a change of size.
+  /// The whole image is in view, and stays fitted when the view is resized.
   [[nodiscard]] bool isFitted() const { return isFitted_; }
   /// Shows the middle slice with the whole image in view.
   void reset();
