@@ -229,7 +229,7 @@ void detail::onExit(const char *how) noexcept {
 }
 
 void reportPluginExits(int code) {
-  if (isGuest()) return;
+  if (isEmbedded()) return;
   exitWatch.code = code;
   exitWatch.process = processId();
   exitWatch.mainThread = std::this_thread::get_id();

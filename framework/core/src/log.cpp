@@ -46,7 +46,7 @@ spdlog::level::level_enum toSpdlog(LogLevel level) {
 }
 
 std::atomic<AssertHandler> assertHandler{nullptr};
-std::atomic<bool> isGuestOfOther{false};
+std::atomic<bool> embedded{false};
 
 }  // namespace
 
@@ -63,12 +63,12 @@ void log(LogLevel level, std::string_view message) {
 
 void setLogThreshold(LogLevel level) { logState().logger->set_level(toSpdlog(level)); }
 
-void becomeGuest() {
-  isGuestOfOther = true;
+void setEmbedded() {
+  embedded = true;
   logState().logger->set_level(spdlog::level::off);
 }
 
-bool isGuest() { return isGuestOfOther.load(std::memory_order_relaxed); }
+bool isEmbedded() { return embedded.load(std::memory_order_relaxed); }
 
 void setLogListener(std::function<void(LogLevel, const std::string &)> listener) {
   LogState &state = logState();

@@ -118,7 +118,7 @@ void reportChange(const char *owner, const char *what, const Describe &describe,
 }
 
 void restoreLocaleOf(const char *owner, const char *what) noexcept {
-  if (isGuest()) return;  // there is one locale for the process
+  if (isEmbedded()) return;  // there is one locale for the process
   try {
     if (const std::string was = detail::restoreLocale(); !was.empty()) reportChange(owner, what, localeText, was);
   } catch (...) {  // no memory for the text

@@ -35,10 +35,10 @@ struct Table {
   c3de_sim last = 0;
 };
 
-/// The first call makes this library a guest of the process.
+/// The first call makes this code embedded: the process belongs to its program.
 Table &table() {
   static Table *const made = [] {
-    becomeGuest();
+    setEmbedded();
     // Of a broken precondition the caller receives a status.
     setAssertHandler([](const char *condition, const char *text, const char *file, int line) {
       throw std::logic_error(fmt::format("{} ({}) at {}:{}", text, condition, file, line));
@@ -87,7 +87,7 @@ Result<void> notNull(const void *argument, const char *name) {
 
 /// f(simulation, argument) for one that is open; writes the result to `out`.
 template <class T, class F>
-c3de_status ask(c3de_sim sim, T *out, const char *name, const F &f) noexcept {
+c3de_status callWithResult(c3de_sim sim, T *out, const char *name, const F &f) noexcept {
   return guarded([&]() -> Result<void> {
     if (auto good = notNull(out, name); !good) return good;
     const auto found = find(sim);
@@ -101,7 +101,7 @@ c3de_status ask(c3de_sim sim, T *out, const char *name, const F &f) noexcept {
 
 /// Same for a struct with `size`: writes as much of it as the caller knows.
 template <class T, class F>
-c3de_status askStruct(c3de_sim sim, T *out, const F &f) noexcept {
+c3de_status callWithStruct(c3de_sim sim, T *out, const F &f) noexcept {
   return guarded([&]() -> Result<void> {
     if (auto good = notNull(out, "out"); !good) return good;
     const std::uint32_t size = out->size;
@@ -118,7 +118,7 @@ c3de_status askStruct(c3de_sim sim, T *out, const F &f) noexcept {
 }
 
 template <class F>
-c3de_status act(c3de_sim sim, const F &f) noexcept {
+c3de_status callWithoutResult(c3de_sim sim, const F &f) noexcept {
   return guarded([&]() -> Result<void> {
     const auto found = find(sim);
     return found ? f(**found) : tl::unexpected(found.error());
@@ -226,13 +226,13 @@ c3de_status c3de_embed_open(const c3de_embed_options *options, c3de_sim *out) {
 c3de_status c3de_embed_close(c3de_sim sim) {
   if (sim == 0) return C3DE_OK;
   return guarded([&]() -> Result<void> {
-    std::shared_ptr<Simulation> gone;
+    std::shared_ptr<Simulation> closing;
     {
       const auto found = find(sim);
       if (!found) return tl::unexpected(found.error());
-      gone = *found;
+      closing = *found;
     }
-    if (auto closed = gone->close(); !closed) return closed;
+    if (auto closed = closing->close(); !closed) return closed;
     const std::lock_guard lock(table().mutex);
     table().open.erase(sim);
     return {};
@@ -240,19 +240,19 @@ c3de_status c3de_embed_close(c3de_sim sim) {
 }
 
 c3de_status c3de_embed_parameter_count(c3de_sim sim, uint64_t *out) {
-  return ask(sim, out, "out", [](Simulation &of) { return of.parameterCount(); });
+  return callWithResult(sim, out, "out", [](Simulation &of) { return of.parameterCount(); });
 }
 c3de_status c3de_embed_parameter_at(c3de_sim sim, uint64_t index, c3de_embed_parameter *out) {
-  return askStruct(sim, out, [&](Simulation &of) { return of.parameterAt(index); });
+  return callWithStruct(sim, out, [&](Simulation &of) { return of.parameterAt(index); });
 }
 c3de_status c3de_embed_get(c3de_sim sim, const char *path, c3de_embed_value *out) {
-  return askStruct(sim, out, [&](Simulation &of) -> Result<c3de_embed_value> {
+  return callWithStruct(sim, out, [&](Simulation &of) -> Result<c3de_embed_value> {
     if (auto good = notNull(path, "path"); !good) return tl::unexpected(good.error());
     return of.get(path);
   });
 }
 c3de_status c3de_embed_set(c3de_sim sim, const char *path, const char *text) {
-  return act(sim, [&](Simulation &of) -> Result<void> {
+  return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
     if (auto good = notNull(path, "path"); !good) return good;
     if (auto good = notNull(text, "text"); !good) return good;
     return of.set(path, text);
@@ -260,12 +260,12 @@ c3de_status c3de_embed_set(c3de_sim sim, const char *path, const char *text) {
 }
 
 c3de_status c3de_embed_get_status(c3de_sim sim, c3de_embed_status *out) {
-  return askStruct(sim, out, [](Simulation &of) { return of.status(); });
+  return callWithStruct(sim, out, [](Simulation &of) { return of.status(); });
 }
 
 c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *done) {
   std::uint64_t made = 0;
-  const c3de_status code = act(sim, [&](Simulation &of) -> Result<void> {
+  const c3de_status code = callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
     if (n == 0) return {};
     Simulation::Run run;
     run.maxSteps = n;
@@ -276,7 +276,7 @@ c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *done) {
 }
 
 c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options) {
-  return act(sim, [&](Simulation &of) -> Result<void> {
+  return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
     c3de_embed_run_options in{};
     if (options != nullptr) {
       const auto read = readStruct(options, "options");
@@ -291,6 +291,7 @@ c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options) 
     run.maxSteps = in.max_steps;
     run.until_s = in.until_s;
     run.every_s = in.stepped_every_s;
+    run.failsWithStoppedBodies = true;
     if (in.stepped != nullptr)
       run.stepped = [call = in.stepped, self = in.stepped_self](const c3de_embed_status &status, double fraction) {
         return call(self, &status, fraction) == 0;
@@ -301,39 +302,39 @@ c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options) 
 }
 
 c3de_status c3de_embed_cancel(c3de_sim sim) {
-  return act(sim, [](Simulation &of) -> Result<void> {
+  return callWithoutResult(sim, [](Simulation &of) -> Result<void> {
     of.cancel();
     return {};
   });
 }
 c3de_status c3de_embed_reset(c3de_sim sim) {
-  return act(sim, [](Simulation &of) { return of.reset(); });
+  return callWithoutResult(sim, [](Simulation &of) { return of.reset(); });
 }
 c3de_status c3de_embed_state_hash(c3de_sim sim, uint64_t *out) {
-  return ask(sim, out, "out", [](Simulation &of) { return of.stateHash(); });
+  return callWithResult(sim, out, "out", [](Simulation &of) { return of.stateHash(); });
 }
 
 c3de_status c3de_embed_body_at(c3de_sim sim, uint64_t index, c3de_embed_body *out) {
-  return askStruct(sim, out, [&](Simulation &of) { return of.bodyAt(index); });
+  return callWithStruct(sim, out, [&](Simulation &of) { return of.bodyAt(index); });
 }
 c3de_status c3de_embed_find_body(c3de_sim sim, const char *name, uint64_t *index) {
-  return ask(sim, index, "index", [&](Simulation &of) -> Result<std::uint64_t> {
+  return callWithResult(sim, index, "index", [&](Simulation &of) -> Result<std::uint64_t> {
     if (auto good = notNull(name, "name"); !good) return tl::unexpected(good.error());
     return of.findBody(name);
   });
 }
 c3de_status c3de_embed_field_at(c3de_sim sim, uint64_t body, uint32_t on, uint64_t index, c3de_embed_field *out) {
-  return askStruct(sim, out, [&](Simulation &of) { return of.fieldAt(body, on, index); });
+  return callWithStruct(sim, out, [&](Simulation &of) { return of.fieldAt(body, on, index); });
 }
 c3de_status c3de_embed_view_field(c3de_sim sim, uint64_t body, uint32_t on, const char *name, c3de_embed_array *out) {
-  return askStruct(sim, out, [&](Simulation &of) -> Result<c3de_embed_array> {
+  return callWithStruct(sim, out, [&](Simulation &of) -> Result<c3de_embed_array> {
     if (auto good = notNull(name, "name"); !good) return tl::unexpected(good.error());
     return of.viewField(body, on, name);
   });
 }
 c3de_status c3de_embed_read_field(c3de_sim sim, uint64_t body, uint32_t on, const char *name, double *data,
                                   uint64_t bytes) {
-  return act(sim, [&](Simulation &of) -> Result<void> {
+  return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
     if (auto good = notNull(name, "name"); !good) return good;
     if (bytes != 0)
       if (auto good = notNull(data, "data"); !good) return good;
@@ -341,21 +342,21 @@ c3de_status c3de_embed_read_field(c3de_sim sim, uint64_t body, uint32_t on, cons
   });
 }
 c3de_status c3de_embed_view_triangles(c3de_sim sim, uint64_t body, c3de_embed_array *out) {
-  return askStruct(sim, out, [&](Simulation &of) { return of.viewTriangles(body); });
+  return callWithStruct(sim, out, [&](Simulation &of) { return of.viewTriangles(body); });
 }
 
 c3de_status c3de_embed_events(c3de_sim sim, const char **json) {
-  return ask(sim, json, "json", [](Simulation &of) { return of.events(); });
+  return callWithResult(sim, json, "json", [](Simulation &of) { return of.events(); });
 }
 c3de_status c3de_embed_report(c3de_sim sim, const char **json) {
-  return ask(sim, json, "json", [](Simulation &of) { return of.report(); });
+  return callWithResult(sim, json, "json", [](Simulation &of) { return of.report(); });
 }
 
 namespace {
 
 template <class F>
 c3de_status withFile(c3de_sim sim, const char *file, const F &f) {
-  return act(sim, [&](Simulation &of) -> Result<void> {
+  return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
     if (auto good = notNull(file, "file"); !good) return good;
     return f(of, pathFromText(file));
   });
@@ -374,24 +375,24 @@ c3de_status c3de_embed_save_session(c3de_sim sim, const char *file) {
 }
 
 c3de_status c3de_embed_hold_body(c3de_sim sim, uint64_t body, const c3de_embed_hold *hold, uint64_t *out) {
-  return ask(sim, out, "out", [&](Simulation &of) -> Result<std::uint64_t> {
+  return callWithResult(sim, out, "out", [&](Simulation &of) -> Result<std::uint64_t> {
     const auto in = readStruct(hold, "hold");
     if (!in) return tl::unexpected(in.error());
     return of.hold(body, *in);
   });
 }
-c3de_status c3de_embed_pull(c3de_sim sim, uint64_t hold, const double *target_m3) {
-  return act(sim, [&](Simulation &of) -> Result<void> {
-    if (auto good = notNull(target_m3, "target_m3"); !good) return good;
+c3de_status c3de_embed_pull(c3de_sim sim, uint64_t hold, const double *target_m) {
+  return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
+    if (auto good = notNull(target_m, "target_m"); !good) return good;
     for (int axis = 0; axis < 3; ++axis)
-      if (!std::isfinite(target_m3[axis]))
-        return refuse(C3DE_E_ARG, fmt::format("target_m3[{}] is {}; accepted: finite", axis, target_m3[axis]));
-    return of.pull(hold, target_m3);
+      if (!std::isfinite(target_m[axis]))
+        return refuse(C3DE_E_ARG, fmt::format("target_m[{}] is {}; accepted: finite", axis, target_m[axis]));
+    return of.pull(hold, target_m);
   });
 }
 c3de_status c3de_embed_hold_read(c3de_sim sim, uint64_t hold, c3de_embed_hold_state *out) {
-  return askStruct(sim, out, [&](Simulation &of) { return of.holdState(hold); });
+  return callWithStruct(sim, out, [&](Simulation &of) { return of.holdState(hold); });
 }
 c3de_status c3de_embed_release(c3de_sim sim, uint64_t hold) {
-  return act(sim, [&](Simulation &of) { return of.release(hold); });
+  return callWithoutResult(sim, [&](Simulation &of) { return of.release(hold); });
 }

@@ -140,6 +140,8 @@ Failure EmbeddedSimulation::reason(const std::string &what, c3de_status code) {
 void EmbeddedSimulation::stateChanged() {
   ++generation_;
   listed_.clear();
+  events_.reset();
+  report_.reset();
 }
 
 Result<void> EmbeddedSimulation::readStatus() {
@@ -151,7 +153,7 @@ Result<void> EmbeddedSimulation::readStatus() {
 }
 
 Result<c3de_embed_status> EmbeddedSimulation::status() {
-  const Use use(*this, Use::Access::known);
+  const Use use(*this, Use::Access::cached);
   if (use.isRefused()) return use.refusal();
   c3de_embed_status out{};
   out.size = sizeof out;
@@ -209,9 +211,9 @@ Result<void> EmbeddedSimulation::makeOneStep(const char *owner) {
 
 Result<void> EmbeddedSimulation::run(const Run &run, std::uint64_t &made) {
   made = 0;
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
-  // Only while this exists, cancel() has an effect.
+  // cancel() has an effect only while this object exists.
   class Running {
    public:
     explicit Running(EmbeddedSimulation &of) : of_(of) {
@@ -244,7 +246,7 @@ Result<void> EmbeddedSimulation::run(const Run &run, std::uint64_t &made) {
     lastCall = Clock::now();
     if (!run.stepped(*status(), fraction(run, made))) return cancelled();
   }
-  if (status_.stopped > 0)
+  if (run.failsWithStoppedBodies && status_.stopped > 0)
     return refuse(C3DE_E_DIVERGED, fmt::format("{} {} stopped early; the events state which, where and what would help",
                                                status_.stopped, status_.stopped == 1 ? "body has" : "bodies have"));
   return {};
@@ -260,7 +262,7 @@ void EmbeddedSimulation::cancel() {
 Result<void> EmbeddedSimulation::close() {
   // Only the thread of a callback gets the lock while a call is active.
   if (const std::unique_lock own(mutex_, std::try_to_lock); own && isInCall_)
-    return Use(*this, Use::Access::changes).refusal();
+    return Use(*this, Use::Access::write).refusal();
   if (isClosing_.exchange(true)) return refuse(C3DE_E_STALE, "the simulation has been closed");
   cancel();
   const std::lock_guard last(mutex_);
@@ -268,7 +270,7 @@ Result<void> EmbeddedSimulation::close() {
 }
 
 Result<void> EmbeddedSimulation::reset() {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   const c3de_status code = callPluginFunction(session_->plugins().ownerOf(simulator_->get()), "reset of the simulation",
                                               CallKind::step, [this] { return table_->reset(simulator_->get()); });
@@ -278,7 +280,7 @@ Result<void> EmbeddedSimulation::reset() {
 }
 
 Result<std::uint64_t> EmbeddedSimulation::stateHash() {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   const auto hash = session::stateHash(table_, simulator_->get());
   if (!hash) return refuse(hash.error());
@@ -286,14 +288,14 @@ Result<std::uint64_t> EmbeddedSimulation::stateHash() {
 }
 
 Result<std::uint64_t> EmbeddedSimulation::parameterCount() {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   if (listed_.empty()) listed_ = parameters_->all();
   return listed_.size();
 }
 
 Result<c3de_embed_parameter> EmbeddedSimulation::parameterAt(std::uint64_t index) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   if (listed_.empty()) listed_ = parameters_->all();
   if (index >= listed_.size())
@@ -302,16 +304,16 @@ Result<c3de_embed_parameter> EmbeddedSimulation::parameterAt(std::uint64_t index
   c3de_embed_parameter out{};
   out.size = sizeof out;
   out.type = decl.type;
-  out.path = kept(path);
-  out.unit = kept(decl.unit);
-  out.label = kept(decl.label);
-  out.meaning = kept(decl.doc);
-  out.accepted = kept(decl.accepted());
+  out.path = intern(path);
+  out.unit = intern(decl.unit);
+  out.label = intern(decl.label);
+  out.meaning = intern(decl.doc);
+  out.accepted = intern(decl.accepted());
   return out;
 }
 
 Result<c3de_embed_value> EmbeddedSimulation::get(const std::string &path) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   const auto value = parameters_->get(path);
   if (!value) return refuse(value.error());
@@ -321,12 +323,12 @@ Result<c3de_embed_value> EmbeddedSimulation::get(const std::string &path) {
   out.number = value->num;
   for (std::size_t axis = 0; axis < 3; ++axis) out.vector[axis] = value->vec[axis];
   const bool isText = value->type == C3DE_PARAM_CHOICE || value->type == C3DE_PARAM_TEXT;
-  out.text = kept(isText ? value->text : value->display());
+  out.text = intern(isText ? value->text : value->display());
   return out;
 }
 
 Result<void> EmbeddedSimulation::set(const std::string &path, const std::string &text) {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   const auto done = parameters_->set(path, text);
   stateChanged();

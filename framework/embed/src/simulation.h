@@ -25,7 +25,7 @@
 
 namespace c3de::embed {
 
-/// One simulation of c3de/embed.h: a session with its simulator. Calls wait for each other, except cancel(). Threads: any;
+/// One simulation of c3de/embed.h: a session with its simulator. Calls are serialised, except cancel(). Threads: any;
 /// a call from within a callback of the same simulation may only read.
 class EmbeddedSimulation {
  public:
@@ -41,6 +41,7 @@ class EmbeddedSimulation {
     double until_s = 0.0;
     std::function<bool(const c3de_embed_status &, double)> stepped;  ///< false: cancel
     double every_s = 0.0;
+    bool failsWithStoppedBodies = false;  ///< at the end, although all steps were made
   };
   /// @param made  steps of this call
   [[nodiscard]] Result<void> run(const Run &run, std::uint64_t &made);
@@ -70,7 +71,7 @@ class EmbeddedSimulation {
   [[nodiscard]] Result<void> saveSession(const std::filesystem::path &file);
 
   [[nodiscard]] Result<std::uint64_t> hold(std::uint64_t body, const c3de_embed_hold &hold);
-  [[nodiscard]] Result<void> pull(std::uint64_t hold, const double *target_m3);
+  [[nodiscard]] Result<void> pull(std::uint64_t hold, const double *target_m);
   [[nodiscard]] Result<c3de_embed_hold_state> holdState(std::uint64_t hold);
   [[nodiscard]] Result<void> release(std::uint64_t hold);
 
@@ -123,7 +124,8 @@ class EmbeddedSimulation {
   [[nodiscard]] Result<void> fill(const BodyEntry &body, std::uint32_t on, const Described &field, double *data,
                                   std::uint64_t rows);
   [[nodiscard]] Result<std::string> simulatorReport();
-  [[nodiscard]] const char *kept(std::string_view text) { return kept_.emplace(text).first->c_str(); }
+  /// Strings returned to callers, kept until closing.
+  [[nodiscard]] const char *intern(std::string_view text) { return interned_.emplace(text).first->c_str(); }
 
   std::recursive_mutex mutex_;
   bool isInCall_ = false;
@@ -146,8 +148,9 @@ class EmbeddedSimulation {
   std::vector<BodyEntry> bodies_;
   std::uint64_t bodiesGeneration_ = 0;
   std::map<FieldKey<std::string>, FieldMemory, FieldOrder> fields_;
-  std::set<std::string, std::less<>> kept_;  ///< text that callers have
-  std::string events_, report_;
+  std::set<std::string, std::less<>> interned_;
+  /// Callers have them until the state changes: made once for each.
+  std::optional<std::string> events_, report_;
 };
 
 }  // namespace c3de::embed

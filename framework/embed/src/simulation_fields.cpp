@@ -52,7 +52,7 @@ Result<void> EmbeddedSimulation::readBodies() {
     (void)table_->triangles(simulator_->get(), body.handle, &triangles);
     body.info = {sizeof(c3de_embed_body),
                  0,
-                 kept(fromAbi(info.name)),
+                 intern(fromAbi(info.name)),
                  info.points,
                  info.surface_points,
                  triangles.count,
@@ -93,7 +93,7 @@ Result<const EmbeddedSimulation::BodyEntry *> EmbeddedSimulation::entryOf(std::u
 }
 
 Result<c3de_embed_body> EmbeddedSimulation::bodyAt(std::uint64_t index) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   const auto body = entryOf(index);
   if (!body) return tl::unexpected(body.error());
@@ -101,7 +101,7 @@ Result<c3de_embed_body> EmbeddedSimulation::bodyAt(std::uint64_t index) {
 }
 
 Result<std::uint64_t> EmbeddedSimulation::findBody(std::string_view name) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   if (auto read = readBodies(); !read) return tl::unexpected(read.error());
   std::string known;
@@ -129,7 +129,7 @@ Result<const EmbeddedSimulation::Described *> EmbeddedSimulation::describe(const
 }
 
 Result<c3de_embed_field> EmbeddedSimulation::fieldAt(std::uint64_t index, std::uint32_t on, std::uint64_t field) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   const auto body = entryOf(index);
   if (!body) return tl::unexpected(body.error());
@@ -139,7 +139,7 @@ Result<c3de_embed_field> EmbeddedSimulation::fieldAt(std::uint64_t index, std::u
   if (field >= fields.size())
     return refuse(C3DE_E_NOT_FOUND, fmt::format("field {}: accepted: below {}", field, fields.size()));
   const Described &found = fields[field];
-  return c3de_embed_field{sizeof(c3de_embed_field), found.comps, kept(found.name), kept(found.unit)};
+  return c3de_embed_field{sizeof(c3de_embed_field), found.comps, intern(found.name), intern(found.unit)};
 }
 
 Result<void> EmbeddedSimulation::fill(const BodyEntry &body, std::uint32_t on, const Described &field, double *data,
@@ -161,7 +161,7 @@ Result<void> EmbeddedSimulation::fill(const BodyEntry &body, std::uint32_t on, c
 }
 
 Result<c3de_embed_array> EmbeddedSimulation::viewField(std::uint64_t index, std::uint32_t on, std::string_view name) {
-  const Use use(*this, Use::Access::known);
+  const Use use(*this, Use::Access::cached);
   if (use.isRefused()) return use.refusal();
   auto memory = fields_.find(FieldKey<std::string_view>{index, on, name});
   if (memory == fields_.end() || memory->second.generation != generation_) {
@@ -176,7 +176,7 @@ Result<c3de_embed_array> EmbeddedSimulation::viewField(std::uint64_t index, std:
     FieldMemory &to = memory->second;
     to.generation = 0;
     to.comps = (*field)->comps;
-    to.unit = kept((*field)->unit);
+    to.unit = intern((*field)->unit);
     to.values.resize(rows * to.comps);
     if (auto filled = fill(**body, on, **field, to.values.data(), rows); !filled) return tl::unexpected(filled.error());
     to.generation = generation_;
@@ -191,7 +191,7 @@ Result<c3de_embed_array> EmbeddedSimulation::viewField(std::uint64_t index, std:
 
 Result<void> EmbeddedSimulation::readField(std::uint64_t index, std::uint32_t on, std::string_view name, double *data,
                                            std::uint64_t bytes) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   const auto body = entryOf(index);
   if (!body) return tl::unexpected(body.error());
@@ -205,7 +205,7 @@ Result<void> EmbeddedSimulation::readField(std::uint64_t index, std::uint32_t on
 }
 
 Result<c3de_embed_array> EmbeddedSimulation::viewTriangles(std::uint64_t index) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   const auto body = entryOf(index);
   if (!body) return tl::unexpected(body.error());
@@ -224,39 +224,39 @@ Result<c3de_embed_array> EmbeddedSimulation::viewTriangles(std::uint64_t index) 
 }
 
 Result<std::uint64_t> EmbeddedSimulation::hold(std::uint64_t index, const c3de_embed_hold &hold) {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   const auto body = entryOf(index);
   if (!body) return tl::unexpected(body.error());
   if (table_->hold == nullptr || table_->pull == nullptr || table_->hold_state == nullptr)
     return refuse(C3DE_E_UNSUPPORTED, fmt::format("simulator {} cannot hold bodies", identity_.classId));
-  c3de_sim_hold wish{};
-  wish.size = sizeof wish;
-  wish.flags = (hold.flags & C3DE_EMBED_HOLD_SHAPE) != 0 ? C3DE_SIM_HOLD_SHAPE : 0u;
-  std::copy_n(hold.at_m, 3, wish.at_m);
-  wish.radius_m = hold.radius_m;
-  wish.frequency_hz = hold.frequency_hz;
-  wish.damping_ratio = hold.damping_ratio;
-  wish.max_force_N = hold.max_force_N;
+  c3de_sim_hold request{};
+  request.size = sizeof request;
+  request.flags = (hold.flags & C3DE_EMBED_HOLD_SHAPE) != 0 ? C3DE_SIM_HOLD_SHAPE : 0u;
+  std::copy_n(hold.at_m, 3, request.at_m);
+  request.radius_m = hold.radius_m;
+  request.frequency_hz = hold.frequency_hz;
+  request.damping_ratio = hold.damping_ratio;
+  request.max_force_N = hold.max_force_N;
   c3de_handle made{};
-  const c3de_status code = table_->hold(simulator_->get(), (*body)->handle, &wish, &made);
+  const c3de_status code = table_->hold(simulator_->get(), (*body)->handle, &request, &made);
   if (code < 0) return tl::unexpected(reason(fmt::format("holding body '{}'", (*body)->info.name), code));
   stateChanged();
   return made.v;
 }
 
-Result<void> EmbeddedSimulation::pull(std::uint64_t hold, const double *target_m3) {
-  const Use use(*this, Use::Access::changes);
+Result<void> EmbeddedSimulation::pull(std::uint64_t hold, const double *target_m) {
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   if (table_->pull == nullptr) return refuse(C3DE_E_UNSUPPORTED, "the simulator cannot hold bodies");
-  if (const c3de_status code = table_->pull(simulator_->get(), {hold}, target_m3, nullptr); code < 0)
+  if (const c3de_status code = table_->pull(simulator_->get(), {hold}, target_m, nullptr); code < 0)
     return tl::unexpected(reason("pulling", code));
   stateChanged();
   return {};
 }
 
 Result<c3de_embed_hold_state> EmbeddedSimulation::holdState(std::uint64_t hold) {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
   if (table_->hold_state == nullptr) return refuse(C3DE_E_UNSUPPORTED, "the simulator cannot hold bodies");
   c3de_sim_hold_state state{};
@@ -273,7 +273,7 @@ Result<c3de_embed_hold_state> EmbeddedSimulation::holdState(std::uint64_t hold) 
 }
 
 Result<void> EmbeddedSimulation::release(std::uint64_t hold) {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   // remove() takes bodies as well: only holds are accepted here.
   if (auto known = holdState(hold); !known) return tl::unexpected(known.error());

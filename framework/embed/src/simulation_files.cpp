@@ -23,8 +23,9 @@ Result<std::string> EmbeddedSimulation::simulatorReport() {
 }
 
 Result<const char *> EmbeddedSimulation::events() {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
+  if (events_) return events_->c_str();
   const auto text = simulatorReport();
   if (!text) return tl::unexpected(text.error());
   const auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
@@ -32,12 +33,13 @@ Result<const char *> EmbeddedSimulation::events() {
   events_ = found != json.end() && found->is_array()
                 ? found->dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                 : "[]";
-  return events_.c_str();
+  return events_->c_str();
 }
 
 Result<const char *> EmbeddedSimulation::report() {
-  const Use use(*this, Use::Access::reads);
+  const Use use(*this, Use::Access::read);
   if (use.isRefused()) return use.refusal();
+  if (report_) return report_->c_str();
   const auto text = simulatorReport();
   if (!text) return tl::unexpected(text.error());
   const auto hash = session::stateHash(table_, simulator_->get());
@@ -53,11 +55,11 @@ Result<const char *> EmbeddedSimulation::report() {
   auto json = session::reportJson(facts, *text);
   if (!json) return refuse(json.error());
   report_ = std::move(*json);
-  return report_.c_str();
+  return report_->c_str();
 }
 
 Result<void> EmbeddedSimulation::saveState(const std::filesystem::path &file) {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   const auto bytes = session::stateBytes(*session_, simulator_->get(), identity_);
   if (!bytes) return refuse(bytes.error());
@@ -66,7 +68,7 @@ Result<void> EmbeddedSimulation::saveState(const std::filesystem::path &file) {
 }
 
 Result<void> EmbeddedSimulation::loadState(const std::filesystem::path &file) {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   const auto bytes = session::readStateFile(file);
   if (!bytes) return refuse(bytes.error());
@@ -77,7 +79,7 @@ Result<void> EmbeddedSimulation::loadState(const std::filesystem::path &file) {
 }
 
 Result<void> EmbeddedSimulation::saveSession(const std::filesystem::path &file) {
-  const Use use(*this, Use::Access::changes);
+  const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
   const auto captured = session::captureState(*session_, simulator_->get(), identity_, session_->changes()->source());
   if (!captured) return refuse(captured.error());

@@ -6,18 +6,19 @@
 
 namespace c3de::embed {
 
-/// A call to a simulation: waits for other threads, and is refused after its end. A call from within a callback may read.
+/// A call to a simulation: waits for those of other threads, and is refused after its end. A call from within a
+/// callback may read.
 class EmbeddedSimulation::Use {
  public:
-  /// known: only what is in memory already, without a call to the simulator.
-  enum class Access { known, reads, changes };
+  /// cached: only what is in memory already, without a call to the simulator.
+  enum class Access { cached, read, write };
   Use(EmbeddedSimulation &of, Access access) : of_(of), lock_(of.mutex_), wasInCall_(of.isInCall_) {
     if (of.isClosing_ && !wasInCall_)
       failure_ = Failure{C3DE_E_STALE, "the simulation has been closed"};
-    else if (wasInCall_ && access == Access::changes)
+    else if (wasInCall_ && access == Access::write)
       failure_ = Failure{C3DE_E_STATE, "a callback of a simulation may read it, and must not step, change or close it"};
     of.isInCall_ = true;
-    if (access != Access::known) environment_.emplace();
+    if (access != Access::cached) environment_.emplace();
   }
   ~Use() { of_.isInCall_ = wasInCall_; }
   Use(const Use &) = delete;

@@ -180,6 +180,24 @@ TEST_CASE("Reset, states and sessions return bit for bit") {
   CHECK(hashOf(sim.get()) == initial);
 }
 
+TEST_CASE("Returned text stays until the next change of the state") {
+  const OpenSimulation sim(boxScene("embed-texts"));
+  REQUIRE_OK(c3de_embed_step(sim.get(), 2, nullptr));
+  const char *events = nullptr, *report = nullptr, *again = nullptr;
+  REQUIRE_OK(c3de_embed_events(sim.get(), &events));
+  REQUIRE_OK(c3de_embed_report(sim.get(), &report));
+  const std::string eventsBefore = events, reportBefore = report;
+  REQUIRE_OK(c3de_embed_events(sim.get(), &again));
+  CHECK(again == events);
+  REQUIRE_OK(c3de_embed_report(sim.get(), &again));
+  CHECK(again == report);
+  CHECK(events == eventsBefore);
+  CHECK(report == reportBefore);
+  REQUIRE_OK(c3de_embed_step(sim.get(), 1, nullptr));
+  REQUIRE_OK(c3de_embed_report(sim.get(), &again));
+  CHECK(nlohmann::json::parse(again)["steps"] == 3);
+}
+
 TEST_CASE("A hold pulls a body towards its target") {
   const OpenSimulation sim(boxScene("embed-hold"), {"world.gravity=[0,0,0]"});
   c3de_embed_hold hold{};

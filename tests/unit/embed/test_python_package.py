@@ -15,6 +15,7 @@ import time
 import unittest
 
 import c3de
+from c3de._simulation import _text as text_of
 
 try:
     import numpy
@@ -142,6 +143,66 @@ class Running(unittest.TestCase):
             thread.join()
             self.assertEqual(caught.exception.kind, "cancelled")
 
+    def test_a_refused_close_can_be_repeated(self):
+        sim = c3de.open(FALLING)
+        kinds = []
+
+        def progress(_fraction, _text):
+            for call in sim.close, sim.step, sim.reset:
+                try:
+                    call()
+                except c3de.Error as error:
+                    kinds.append(error.kind)
+            self.assertEqual(sim.report()["steps"], sim.steps)
+            return False
+
+        with self.assertRaises(c3de.Error):
+            sim.run(until=1e4, progress=progress)
+        self.assertEqual(kinds, ["state"] * 3)
+        self.assertEqual(sim.step(), 1)
+        sim.close()
+        sim.close()
+        with self.assertRaises(c3de.Error):
+            sim.step()
+
+    def test_threads_step_and_read_one_simulation(self):
+        failures = []
+        with c3de.open(FALLING) as sim:
+            def read():
+                try:
+                    for _ in range(20):
+                        self.assertIn("bodies", sim.report())
+                        sim.events(), sim.parameters(), sim.bodies[0].name
+                        sim.step()
+                except BaseException as error:
+                    failures.append(error)
+
+            threads = [threading.Thread(target=read) for _ in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(failures, [])
+            self.assertEqual(sim.steps, 80)
+
+    def test_closing_ends_the_run_of_another_thread(self):
+        sim = c3de.open(FALLING)
+        kinds = []
+        running = threading.Event()
+
+        def run():
+            try:
+                sim.run(until=1e5, progress=lambda _fraction, _text: running.set())
+            except c3de.Error as error:
+                kinds.append(error.kind)
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        self.assertTrue(running.wait(60))
+        sim.close()
+        thread.join()
+        self.assertEqual(kinds, ["cancelled"])
+
     def test_forgotten_simulations_are_closed(self):
         for _ in range(20):
             c3de.open(CANTILEVER, threads=1)
@@ -211,6 +272,9 @@ class Scenes(unittest.TestCase):
             self.assertLess(report["probes"][0]["position_m"][2], 0.05)
             self.assertAlmostEqual(sim.body("block").mass, 2.0, delta=0.02)
 
+    def test_keys_with_other_letters_are_quoted(self):
+        self.assertIn('{ "é" = 1, a-b_1 = true }', c3de.Scene().add("x", one={"é": 1, "a-b_1": True}).text)
+
     def test_wrong_arrays_are_refused(self):
         for vertices, faces, text in ([[0, 1]], [], "3"), (BOX, [[0, 1, 9]], "0 to 7"):
             with self.assertRaises(c3de.Error) as caught:
@@ -252,6 +316,18 @@ class Arrays(unittest.TestCase):
             sim.body("beam").points.field("colour")
         self.assertEqual(caught.exception.kind, "not found")
         self.assertIn("stress_vm", str(caught.exception))
+
+    def test_numbers_of_numpy_are_numbers(self):
+        cases = [(numpy.int64(5), "5"), (numpy.uint8(5), "5"), (numpy.bool_(True), "true"), (numpy.float64(0.5), "0.5"),
+                 (numpy.float32(0.5), "0.5"), (numpy.array(7), "7"), (numpy.array(0.25), "0.25"),
+                 (numpy.array([1, 2]), "[1, 2]"), ([numpy.bool_(False), numpy.float64(2)], "[false, 2.0]")]
+        for value, text in cases:
+            self.assertEqual(text_of(value), text)
+            self.assertIn("\na = %s\n" % text, c3de.Scene().add("x", a=value).text)
+        with c3de.open(CANTILEVER, **{STIFFNESS: numpy.float64(8e5)}) as sim:
+            self.assertEqual(sim[STIFFNESS], 8e5)
+            sim["world.gravity"] = numpy.array([0, 0, -2])
+            self.assertEqual(sim["world.gravity"], (0.0, 0.0, -2.0))
 
     def test_a_scene_of_arrays(self):
         scene = c3de.Scene("array").body("a", numpy.array(BOX), numpy.array(BOX_FACES), sampling={"spacing": 0.02})

@@ -6,8 +6,8 @@
         sim.run(until=0.5)
         u = sim.body("liver").points.field("displacement")   # (n, 3), m
 
-Arrays need numpy (Debian package python3-numpy); everything else works without it. Errors are c3de.Error with the text of the
-program. Any thread may call; calls to one simulation wait for each other.
+Arrays need numpy (Debian package python3-numpy); everything else works without it. Errors are c3de.Error with the text
+of the program. Any thread may call; calls to the same simulation are serialised.
 """
 
 from ._library import Error, version

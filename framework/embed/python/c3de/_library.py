@@ -22,15 +22,17 @@ U32, F64 = 5, 2
 
 
 class Error(Exception):
-    """What failed, with the text of the program. `status` is the number of c3de/embed.h, `kind` its name."""
+    """What failed, with the text of the program. `status`: the c3de_status code; `kind`: its name as text. `steps`: of
+    Simulation.step(), those made before the failure."""
 
-    def __init__(self, text: str, status: int = -17):
+    def __init__(self, text: str, status: int = -17, steps: int = 0):
         super().__init__(text)
         self.status = status
+        self.steps = steps
         self.kind = _NAMES.get(status, "unknown")
 
     def __reduce__(self):
-        return (Error, (self.args[0], self.status))
+        return (Error, (self.args[0], self.status, self.steps))
 
 
 class _Sized(c.Structure):
@@ -172,6 +174,11 @@ def check(status: int) -> int:
         return status
     text = lib.c3de_embed_last_error().decode(errors="replace")
     raise Error(text or "status %d (%s)" % (status, _NAMES.get(status, "unknown")), status)
+
+
+def plain(value: Any) -> Any:
+    """A number or array of numpy as a number or list of Python; other values as they are."""
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def texts(values: List[str]):

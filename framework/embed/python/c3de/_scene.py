@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes made of arrays."""
 
+import operator
 import os
 import pathlib
 import shutil
@@ -16,6 +17,7 @@ Table = Dict[str, Any]
 
 
 def _toml(value: Any) -> str:
+    value = _l.plain(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (str, os.PathLike)):
@@ -25,15 +27,15 @@ def _toml(value: Any) -> str:
         return '"%s"' % text
     if isinstance(value, dict):
         return "{ %s }" % ", ".join("%s = %s" % (_key(key), _toml(one)) for key, one in value.items())
-    if isinstance(value, int) or hasattr(value, "__index__"):
-        return str(int(value))
+    if hasattr(value, "__index__"):
+        return str(operator.index(value))
     if hasattr(value, "__len__"):
         return "[%s]" % ", ".join(_toml(one) for one in value)
     return repr(float(value))
 
 
 def _key(key: str) -> str:
-    return key if key.replace("_", "a").replace("-", "a").isalnum() else _toml(key)
+    return key if key.isascii() and key.replace("_", "a").replace("-", "a").isalnum() else _toml(key)
 
 
 class _Folder:
@@ -45,8 +47,8 @@ class _Folder:
 
 
 class Scene:
-    """A scene whose bodies are triangle meshes in arrays. Keys are those of the scene file; values are numbers, text, lists and
-    dicts. Units are SI.
+    """A scene whose bodies are triangle meshes in arrays. Keys are those of the scene file; values are numbers, text,
+    lists and dicts. Units are SI.
 
         scene = c3de.Scene("block", world={"gravity": [0, 0, -9.81]}, solver={"integrator": "quasistatic"})
         scene.body("block", vertices, triangles, material={"youngs_modulus": 1e4}, sampling={"spacing": 0.01})
@@ -66,8 +68,8 @@ class Scene:
 
     def body(self, name: str, vertices: Sequence[Sequence[float]], triangles: Sequence[Sequence[int]],
              **keys: Any) -> "Scene":
-        """A body inside a closed surface: vertices (n, 3), m; triangles (m, 3), indices from 0, outwards by the right-hand
-        rule. keys: material, sampling, position, … of [[body]]."""
+        """A body inside a closed surface: vertices (n, 3), m; triangles (m, 3), indices from 0, counter-clockwise seen
+        from outside. keys: material, sampling, position, … of [[body]]."""
         rows = ["v %r %r %r\n" % tuple(float(x) for x in self._row(vertex, "vertices")) for vertex in vertices]
         count = len(rows)
         for triangle in triangles:

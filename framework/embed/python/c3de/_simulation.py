@@ -3,11 +3,13 @@
 
 import ctypes as c
 import json
+import operator
 import os
 import sys
 import threading
+import time
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _library as _l
 from ._library import Error, check, lib
@@ -29,7 +31,7 @@ class Status(NamedTuple):
     dt: float           #: size of the next step, s
     bodies: int
     stopped: int        #: bodies that stay in their last good state
-    finished: bool      #: nothing changes any more
+    finished: bool      #: the solution is complete; further steps have no effect
     quasistatic: bool   #: steps increase the load
     wall: float         #: wall time spent in steps, s
 
@@ -52,12 +54,13 @@ class Event(NamedTuple):
 
 def _text(value: Value) -> str:
     """A value as after `--set PATH=`."""
+    value = _l.plain(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return value
-    if isinstance(value, int):
-        return str(value)
+    if hasattr(value, "__index__"):
+        return str(operator.index(value))  # type: ignore[arg-type]
     if hasattr(value, "__len__") or hasattr(value, "__iter__"):
         return "[" + ", ".join(_text(one) for one in value) + "]"  # type: ignore[union-attr]
     return repr(float(value))  # type: ignore[arg-type]
@@ -74,15 +77,27 @@ def _file(path: Path) -> bytes:
     return os.fspath(path).encode()
 
 
-class _Work:
-    """A call that takes long, on a thread of its own: Ctrl-C reaches the waiting thread."""
+class _InterruptibleCall:
+    """Runs a long call on a worker thread so that the main thread can handle Ctrl-C."""
 
     def __init__(self, call: Callable[[], None], cancel: Callable[[], None]):
         self._call, self._cancel = call, cancel
         self._error: Optional[BaseException] = None
         self._done = threading.Event()
+        self._begin = threading.Lock()
+        self._begun = self._withdrawn = False
+
+    def _withdraw(self) -> bool:
+        """Whether the call has not begun, and never will."""
+        with self._begin:
+            self._withdrawn = not self._begun
+            return self._withdrawn
 
     def _run(self) -> None:
+        with self._begin:
+            if self._withdrawn:
+                return
+            self._begun = True
         try:
             self._call()
         except BaseException as error:  # passed on by wait()
@@ -96,16 +111,22 @@ class _Work:
             return
         thread = threading.Thread(target=self._run, name="c3de", daemon=True)
         interrupt: Optional[BaseException] = None
-        thread.start()
+        is_started = False
         while True:
             try:
+                if interrupt is not None:
+                    if self._withdraw():
+                        raise interrupt
+                    self._cancel()
+                elif not is_started:
+                    is_started = True  # an interrupt within start() does not tell whether it has started
+                    thread.start()
                 if self._done.wait(_POLL_S):
                     break
-                if interrupt is not None:
-                    self._cancel()
             except BaseException as error:  # KeyboardInterrupt, or what another handler raises
+                if self._withdrawn:
+                    raise
                 interrupt = interrupt or error
-                self._cancel()
         thread.join()
         if interrupt is not None:
             raise interrupt
@@ -141,9 +162,9 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
     """Builds the simulation of a scene (.toml), a session (.c3de) or a mesh.
 
     text: a scene as TOML that is read instead of the file; relative paths are those of the folder of `path`, or of the
-    current folder. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on another
-    thread. threads: that compute, 0: as many as the machine has. values: as `c3de run --set`, by PATH, with
-    `**{"body.liver.youngs_modulus": 6e3}` (Pa). Ctrl-C cancels.
+    current folder. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on
+    another thread. threads: number of worker threads, 0: as many as the machine has. values: as `c3de run --set`, by
+    PATH, with `**{"body.liver.youngs_modulus": 6e3}` (Pa). Ctrl-C cancels.
 
     Raises Error: the file, line, value and what is accepted.
     """
@@ -179,7 +200,7 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
             raise
 
     try:
-        _Work(call, cancelled.set).wait()
+        _InterruptibleCall(call, cancelled.set).wait()
     except BaseException:
         if handle.value:  # it was complete before the interrupt
             lib.c3de_embed_close(handle)
@@ -192,22 +213,34 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
 class Simulation:
     """One simulation; made by c3de.open(). A context manager: closed at its end.
 
-    sim[path] reads a parameter and sim[path] = value sets it, by the paths of `c3de run --set`; a number has the SI unit that
-    parameters() names.
+    sim[path] reads a parameter and sim[path] = value sets it, by the paths of `c3de run --set`; a number has the SI
+    unit that parameters() names. Any thread may call; calls to the same simulation are serialised.
     """
 
     def __init__(self, handle: int, name: str):
         self._handle = handle
         self._name = name
-        self._step_s: Optional[float] = None
+        self._step_s: Optional[float] = None  #: wall time of a step, of the last call
+        #: Around calls that change the state, and around a call and the copy of the text or memory that it returns.
+        #: A callback has the lock already, on the thread of its run.
+        self._lock = threading.RLock()
         self._kept: Any = None  #: what must exist as long as the simulation
         self._comps: Dict[Tuple[int, int, str], int] = {}
         self._finalizer = weakref.finalize(self, lib.c3de_embed_close, handle)
 
     def close(self) -> None:
-        """Ends the simulation; a run of another thread is cancelled. Arrays stay valid. May be called twice."""
-        if self._finalizer.detach() is not None:
-            check(lib.c3de_embed_close(self._handle))
+        """Ends the simulation; a run of another thread is cancelled. Arrays stay valid. May be called twice.
+
+        Raises Error of kind "state" within a function for progress; the simulation stays open then.
+        """
+        while not self._lock.acquire(timeout=_POLL_S):
+            self.cancel()
+        try:
+            if self._finalizer.alive:
+                check(lib.c3de_embed_close(self._handle))
+                self._finalizer.detach()
+        finally:
+            self._lock.release()
 
     def __enter__(self) -> "Simulation":
         return self
@@ -243,39 +276,46 @@ class Simulation:
 
     @property
     def state_hash(self) -> str:
-        """16 hexadecimal digits over all that the next steps follow from; as in the report of `c3de run`."""
+        """Hash of the complete simulation state: 16 hexadecimal digits, as in the report of `c3de run`."""
         out = c.c_uint64()
         check(lib.c3de_embed_state_hash(self._handle, c.byref(out)))
         return "%016x" % out.value
 
     def step(self, n: int = 1) -> int:
-        """Makes up to n steps and returns how many: fewer where nothing changes any more. Ctrl-C cancels.
+        """Makes up to n steps and returns how many: fewer where the solution is complete. Ctrl-C cancels. Bodies that
+        have stopped while others continue raise nothing: status.stopped counts them.
 
-        Raises Error: a step failed (kind "diverged", "time limit", …); the state before it is kept.
+        Raises Error: a step failed (kind "diverged", "time limit", …); the state before it is kept, and `steps` of the
+        error is the number of steps that were made.
         """
         if n < 0:
             raise Error("n is %d; accepted: >= 0" % n, _l.E_ARG)
         done = c.c_uint64()
 
         def call() -> None:
-            check(lib.c3de_embed_step(self._handle, n, c.byref(done)))
+            with self._lock:
+                begin = time.perf_counter()
+                status = lib.c3de_embed_step(self._handle, n, c.byref(done))
+                if done.value:
+                    self._step_s = (time.perf_counter() - begin) / done.value
+                try:
+                    check(status)
+                except Error as error:
+                    error.steps = done.value
+                    raise
 
         if self._step_s is not None and n * self._step_s < _SHORT_S:
             call()
-            return done.value
-        before = self.status.wall
-        try:
-            _Work(call, self.cancel).wait()
-        finally:
-            if done.value:
-                self._step_s = (self.status.wall - before) / done.value
+        else:
+            _InterruptibleCall(call, self.cancel).wait()
         return done.value
 
     def run(self, until: Optional[float] = None, *, steps: Optional[int] = None,
             progress: Union[bool, Callable[[float, str], Any]] = False) -> "Simulation":
-        """Runs to a simulated time (s), for a number of steps, or to whichever is first; without both, until nothing changes
-        or for 1 s. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on another
-        thread, several times a second, and may read the simulation. Ctrl-C cancels; the state stays complete.
+        """Runs to an absolute simulated time (s; ignored for quasi-static solutions), for a number of steps, or to
+        whichever is first; without both, until the solution is complete or to 1 s. progress: True for a bar, or
+        f(fraction, text), which returns False to cancel; it is called on another thread, several times a second, and
+        may read the simulation. Ctrl-C cancels; the state stays complete.
 
         Raises Error: as step(); kind "diverged" also where bodies have stopped early; kind "cancelled".
         """
@@ -299,31 +339,35 @@ class Simulation:
 
         def call() -> None:
             try:
-                check(lib.c3de_embed_run(self._handle, c.byref(options)))
+                with self._lock:
+                    check(lib.c3de_embed_run(self._handle, c.byref(options)))
             except Error:
                 if raised:
                     raise raised[0]
                 raise
 
         try:
-            _Work(call, self.cancel).wait()
+            _InterruptibleCall(call, self.cancel).wait()
         finally:
             bar.finish()
         return self
 
     def cancel(self) -> None:
-        """Ends the step or run of another thread, which then raises Error of kind "cancelled"; without one, no effect."""
+        """Ends the step or run of another thread, which then raises Error of kind "cancelled"; otherwise no effect."""
         lib.c3de_embed_cancel(self._handle)
 
     def reset(self) -> None:
         """Returns to the initial state, bit for bit."""
-        check(lib.c3de_embed_reset(self._handle))
+        with self._lock:
+            check(lib.c3de_embed_reset(self._handle))
 
     # Parameters
 
     def __getitem__(self, path: str) -> Union[float, int, bool, str, Tuple[float, float, float]]:
         out = _l.ValueStruct()
-        check(lib.c3de_embed_get(self._handle, path.encode(), c.byref(out)))
+        with self._lock:
+            check(lib.c3de_embed_get(self._handle, path.encode(), c.byref(out)))
+            text = (out.text or b"").decode()
         if out.type == _l.NUMBER:
             return out.number
         if out.type == _l.INTEGER:
@@ -332,21 +376,24 @@ class Simulation:
             return out.number != 0.0
         if out.type == _l.VECTOR:
             return (out.vector[0], out.vector[1], out.vector[2])
-        return out.text.decode()
+        return text
 
     def __setitem__(self, path: str, value: Value) -> None:
-        check(lib.c3de_embed_set(self._handle, path.encode(), _text(value).encode()))
+        text = _text(value).encode()
+        with self._lock:
+            check(lib.c3de_embed_set(self._handle, path.encode(), text))
 
     def parameters(self) -> List[Parameter]:
         """All parameters that can be read and set now."""
         count = c.c_uint64()
-        check(lib.c3de_embed_parameter_count(self._handle, c.byref(count)))
         found = []
-        for index in range(count.value):
-            out = _l.ParameterStruct()
-            check(lib.c3de_embed_parameter_at(self._handle, index, c.byref(out)))
-            found.append(Parameter(*(text.decode() for text in (out.path, out.unit, out.label, out.meaning,
-                                                                 out.accepted))))
+        with self._lock:
+            check(lib.c3de_embed_parameter_count(self._handle, c.byref(count)))
+            for index in range(count.value):
+                out = _l.ParameterStruct()
+                check(lib.c3de_embed_parameter_at(self._handle, index, c.byref(out)))
+                found.append(Parameter(*(text.decode() for text in (out.path, out.unit, out.label, out.meaning,
+                                                                     out.accepted))))
         return found
 
     # Bodies
@@ -366,8 +413,10 @@ class Simulation:
 
     def _json(self, function: Any) -> Any:
         out = c.c_char_p()
-        check(function(self._handle, c.byref(out)))
-        return json.loads((out.value or b"null").decode())
+        with self._lock:
+            check(function(self._handle, c.byref(out)))
+            text = out.value or b"null"
+        return json.loads(text.decode())
 
     def events(self) -> List[Event]:
         """What happened while it ran."""
@@ -380,15 +429,18 @@ class Simulation:
 
     def save_state(self, file: Path) -> None:
         """Writes the state to a file. Raises Error: the file cannot be written."""
-        check(lib.c3de_embed_save_state(self._handle, _file(file)))
+        with self._lock:
+            check(lib.c3de_embed_save_state(self._handle, _file(file)))
 
     def load_state(self, file: Path) -> None:
         """Returns to a state that was saved of the same scene, bit for bit. On an Error nothing has changed."""
-        check(lib.c3de_embed_load_state(self._handle, _file(file)))
+        with self._lock:
+            check(lib.c3de_embed_load_state(self._handle, _file(file)))
 
     def save_session(self, file: Path) -> None:
         """Writes scene, changes and state as a session (.c3de), for the window, `c3de run` and c3de.open()."""
-        check(lib.c3de_embed_save_session(self._handle, _file(file)))
+        with self._lock:
+            check(lib.c3de_embed_save_session(self._handle, _file(file)))
 
 
 class Body:
@@ -405,53 +457,60 @@ class Body:
 
     @property
     def name(self) -> str:
-        return self._info().name.decode()
+        """Name in the scene."""
+        with self.simulation._lock:
+            return self._info().name.decode()
 
     @property
     def mass(self) -> float:
-        """kg"""
+        """Mass, kg."""
         return self._info().mass_kg
 
     @property
     def volume(self) -> float:
-        """At rest, m³."""
+        """Volume at rest, m³."""
         return self._info().volume_m3
 
     @property
     def spacing(self) -> float:
-        """Of its points, m."""
+        """Mean distance of the points, m."""
         return self._info().spacing_m
 
     @property
     def points(self) -> "PointSet":
-        """What carries the mass."""
+        """The material points."""
         return PointSet(self, _l.ON_POINTS)
 
     @property
     def surface(self) -> "Surface":
-        """What is seen and touched."""
+        """The surface mesh."""
         return Surface(self, _l.ON_SURFACE)
 
     def hold(self, at: Sequence[float], radius: float, *, keep_shape: bool = False, frequency: float = 0.0,
              damping_ratio: float = 0.0, max_force: float = 0.0) -> "Hold":
-        """Springs to what is in a ball about `at` (m, as the body is now) with `radius` (m). They pull it towards a target:
-        Hold.pull(). keep_shape: what is held keeps its shape; else only its mean is led. frequency (Hz), damping_ratio
-        (1: critical) and max_force (N) are chosen where they are 0. A context manager: released at its end."""
+        """Attaches springs to the points within `radius` (m) of `at` (m, current configuration). They pull these
+        towards a target: Hold.pull(). keep_shape: what is held keeps its shape; otherwise only the weighted mean
+        position is controlled. frequency (Hz), damping_ratio (1: critical) and max_force (N) are chosen automatically
+        where they are 0. A context manager: released at its end.
+
+        Raises Error: kind "argument", a value is refused; "state", the body cannot be held; "unsupported", the
+        simulator holds no bodies.
+        """
         options = _l.HoldStruct(flags=_l.HOLD_SHAPE if keep_shape else 0, at_m=_vector(at, "at"), radius_m=radius,
                                 frequency_hz=frequency, damping_ratio=damping_ratio, max_force_N=max_force)
         out = c.c_uint64()
-        check(lib.c3de_embed_hold_body(self.simulation._handle, self._index, c.byref(options), c.byref(out)))
+        with self.simulation._lock:
+            check(lib.c3de_embed_hold_body(self.simulation._handle, self._index, c.byref(options), c.byref(out)))
         return Hold(self.simulation, out.value)
 
     def __repr__(self) -> str:
         info = self._info()
-        return "<c3de.Body %r, %d points, %d triangles, %g kg>" % (info.name.decode(), info.points, info.triangles,
-                                                                   info.mass_kg)
+        return "<c3de.Body %r, %d points, %d triangles, %g kg>" % (self.name, info.points, info.triangles, info.mass_kg)
 
 
 class PointSet:
-    """Points of a body and the fields at them. An array is a read-only snapshot with memory of its own: it stays valid and
-    unchanged after further steps and after the simulation is closed."""
+    """Points of a body and the fields at them. An array is a read-only snapshot with memory of its own: it stays valid
+    and unchanged after further steps and after the simulation is closed."""
 
     def __init__(self, body: Body, on: int):
         self.body = body
@@ -461,21 +520,24 @@ class PointSet:
         info = self.body._info()
         return info.points if self._on == _l.ON_POINTS else info.surface_points
 
-    def _fields(self) -> Iterator[Any]:
-        index = 0
-        while True:
-            out = _l.FieldStruct()
-            status = lib.c3de_embed_field_at(self.body.simulation._handle, self.body._index, self._on, index, c.byref(out))
-            if status == _l.E_NOT_FOUND and index > 0:
-                return
-            check(status)
-            yield out
-            index += 1
+    def _fields(self) -> List[Tuple[str, str, int]]:
+        """Names, units and numbers of components."""
+        found: List[Tuple[str, str, int]] = []
+        simulation = self.body.simulation
+        with simulation._lock:
+            while True:
+                out = _l.FieldStruct()
+                status = lib.c3de_embed_field_at(simulation._handle, self.body._index, self._on, len(found),
+                                                 c.byref(out))
+                if status == _l.E_NOT_FOUND and found:
+                    return found
+                check(status)
+                found.append((out.name.decode(), out.unit.decode(), out.comps))
 
     @property
     def fields(self) -> Dict[str, str]:
         """Names and SI units ("1" for a ratio)."""
-        return {out.name.decode(): out.unit.decode() for out in self._fields()}
+        return {name: unit for name, unit, _ in self._fields()}
 
     def field(self, name: str) -> "numpy.ndarray":
         """A field as it is now: (n,), (n, 3) for a vector, (n, 9) for a matrix (column-major), f64; unit: fields[name].
@@ -486,7 +548,7 @@ class PointSet:
         simulation, index = self.body.simulation, self.body._index
         known = simulation._comps.get((index, self._on, name))
         if known is None:
-            known = next((out.comps for out in self._fields() if out.name.decode() == name), 0)
+            known = next((comps for one, _, comps in self._fields() if one == name), 0)
             if known:
                 simulation._comps[(index, self._on, name)] = known
         rows = len(self)
@@ -518,8 +580,9 @@ class Surface(PointSet):
         """Indices of vertices, outwards by the right-hand rule: (m, 3), u32."""
         numpy = _l.numpy_module()
         out = _l.ArrayStruct()
-        check(lib.c3de_embed_view_triangles(self.body.simulation._handle, self.body._index, c.byref(out)))
-        return _copy(numpy, out)
+        with self.body.simulation._lock:
+            check(lib.c3de_embed_view_triangles(self.body.simulation._handle, self.body._index, c.byref(out)))
+            return _copy(numpy, out)
 
 
 class Hold:
@@ -531,8 +594,10 @@ class Hold:
         self._open = True
 
     def pull(self, target: Sequence[float]) -> None:
-        """Where the named point is pulled to from now on (m)."""
-        check(lib.c3de_embed_pull(self.simulation._handle, self._handle, _vector(target, "target")))
+        """Sets the position (m) that the hold point `at` is pulled to from now on."""
+        numbers = _vector(target, "target")
+        with self.simulation._lock:
+            check(lib.c3de_embed_pull(self.simulation._handle, self._handle, numbers))
 
     def _state(self) -> Any:
         out = _l.HoldStateStruct()
@@ -541,19 +606,22 @@ class Hold:
 
     @property
     def force(self) -> Tuple[float, float, float]:
-        """Of the last step, on the body, N."""
+        """Force on the body in the last step, N."""
         return tuple(self._state().force_N)
 
     @property
     def point(self) -> Tuple[float, float, float]:
-        """Where the named point is, m."""
+        """Current position of the hold point `at`, m."""
         return tuple(self._state().point_m)
 
     def release(self) -> None:
         """Ends it. May be called twice."""
-        if self._open:
-            self._open = False
-            check(lib.c3de_embed_release(self.simulation._handle, self._handle))
+        with self.simulation._lock:
+            if not self._open:
+                return
+            status = lib.c3de_embed_release(self.simulation._handle, self._handle)
+            self._open = status < 0 and status != _l.E_STALE  # after another failure it can be released later
+            check(status)
 
     def __enter__(self) -> "Hold":
         return self

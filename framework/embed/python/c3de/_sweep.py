@@ -46,11 +46,12 @@ def _run(request: Dict[str, Any], processes: Dict[int, subprocess.Popen]) -> Dic
 
 def sweep(scene: Path, values: Dict[str, Sequence[Value]], until: Optional[float] = None, *, jobs: int = 1,
           steps: Optional[int] = None) -> Iterator[SweepRow]:
-    """Simulates a scene for every combination of values, each in a process of its own, and yields them in order: the last path
-    changes fastest.
+    """Simulates a scene for every combination of values, each in a process of its own, and yields them in order: the
+    last path changes fastest.
 
-    values: by the paths of c3de.open(). until (s), steps: as Simulation.run(). jobs: processes at a time, which share the
-    processors. A simulation that fails is a row with an error; the others continue. Ctrl-C ends the processes.
+    values: by the paths of c3de.open(). until (s), steps: as Simulation.run(). jobs: number of processes that run
+    concurrently; they share the processors. A simulation that fails is a row with an error; the others continue. Ctrl-C
+    ends the processes.
     """
     if jobs < 1:
         raise Error("jobs is %d; accepted: >= 1" % jobs, _l.E_ARG)

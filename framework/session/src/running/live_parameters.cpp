@@ -121,8 +121,8 @@ Expected<LiveParameters::Target> LiveParameters::find(std::string_view path) con
   }
   const std::string nearest = nearestName(text, known);
   return fail(ErrorCode::usage,
-              fmt::format("{}: there is no such parameter of the running simulation{}; bodies: {}; what a scene fixes "
-                          "when it is built is given when it is opened",
+              fmt::format("{}: there is no such parameter of the running simulation{}; bodies: {}; parameters of the "
+                          "scene itself can only be set when it is opened",
                           displayText(text), nearest.empty() ? "" : "; did you mean '" + nearest + "'?",
                           names.empty() ? "none" : names));
 }
@@ -173,9 +173,27 @@ Expected<void> LiveParameters::set(std::string_view path, std::string_view text)
     for (const ParameterValue &value : *values) world_[value.id] = value;
     return {};
   }
-  for (const c3de_param_value &value : abi)
-    if (const c3de_status code = table_->set_body_param(simulator_, target->handle, &value); code < 0)
-      return tl::unexpected(reasonOf(path, code));
+  // The simulator takes one value after the other: those before a refused one are set back.
+  std::vector<ParameterValue> earlier;
+  for (const c3de_param_value &value : abi) {
+    c3de_param_value before{};
+    before.size = sizeof before;
+    c3de_status code = table_->get_body_param(simulator_, target->handle, value.id, &before);
+    if (code >= 0) {
+      ParameterValue copy = ParameterValue::from(before);
+      copy.id = fromAbi(value.id);
+      code = table_->set_body_param(simulator_, target->handle, &value);
+      if (code >= 0) earlier.push_back(std::move(copy));
+    }
+    if (code >= 0) continue;
+    Error error = reasonOf(path, code);
+    for (auto one = earlier.rbegin(); one != earlier.rend(); ++one) {
+      const c3de_param_value back = one->abi();
+      (void)table_->set_body_param(simulator_, target->handle, &back);
+    }
+    (void)session_->plugins().takeError();
+    return tl::unexpected(std::move(error));
+  }
   return {};
 }
 

@@ -11,14 +11,14 @@ namespace c3de {
 /// resources are found relative to its folder.
 [[nodiscard]] std::filesystem::path modulePath();
 
-/// From now on this code is a guest of another program: log() writes nothing to stderr (its listener still receives every
-/// line), calls of plugins do not restore the locale that was present at the first of them, and the end of the process is
-/// nobody's mistake. Any thread; before the first plugin is loaded.
-void becomeGuest();
-[[nodiscard]] bool isGuest();
+/// From now on this code is embedded in another program: log() writes nothing to stderr (its listener still receives
+/// every line), calls of plugins do not restore the locale that was present at the first of them, and exit() during a
+/// call is not reported as a plugin fault. Any thread; before the first plugin is loaded.
+void setEmbedded();
+[[nodiscard]] bool isEmbedded();
 
-/// During its lifetime this thread computes with the default floating-point environment and reads and writes numbers as in
-/// the locale "C", whatever its program has set. Nested ones cost as much as the first, about 0.1 µs.
+/// During its lifetime this thread computes with the default floating-point environment and reads and writes numbers as
+/// in the locale "C", whatever its program has set. Nesting is allowed and costs the same, about 0.1 µs.
 class OwnEnvironment {
  public:
   OwnEnvironment();
