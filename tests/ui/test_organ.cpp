@@ -207,7 +207,7 @@ TEST_CASE("commands and tools are found by words and run by Enter", "[find_comma
     C3DE_WAIT(window, "it is found", s["values"].value("palette/chosen", std::string()) == id);
   };
   const auto isClosed = [](const Json &s) { return !s["widgets"].contains("palette/words"); };
-  find("continue", "simulation.play");
+  find("play pause", "simulation.play");
   window.screenshot("found");
   window.key("Return");
   C3DE_WAIT(window, "it plays", mode(s) == "playing" && isClosed(s));

@@ -51,13 +51,16 @@ std::vector<Found> allCommands(FrameContext &frame) {
   return all;
 }
 
-/// Those that contain all words; what can be executed first.
+/// Those that contain all words: what can be executed first, then those with the words in their names.
 std::vector<Found> matches(FrameContext &frame) {
   std::vector<Found> all = allCommands(frame);
   std::erase_if(all, [&](const Found &one) {
     return !containsWords(one.label + " " + one.doc + " " + one.id, frame.state.palette.words.data());
   });
-  std::stable_partition(all.begin(), all.end(), [](const Found &one) { return one.isEnabled; });
+  const auto rankOf = [&](const Found &one) {
+    return (one.isEnabled ? 0 : 2) + (containsWords(one.label, frame.state.palette.words.data()) ? 0 : 1);
+  };
+  std::stable_sort(all.begin(), all.end(), [&](const Found &a, const Found &b) { return rankOf(a) < rankOf(b); });
   return all;
 }
 
