@@ -226,7 +226,6 @@ TEST_CASE("commands and tools are found by words and run by Enter", "[find_comma
   window.key("Escape");
   window.waitUntil("it is closed", isClosed);
   find("label statistics csv", "file.save_statistics");
-  window.key("Return");
-  window.type(" zzz");
-  C3DE_WAIT(window, "it was not executed, and nothing matches any more", s["values"]["palette/found"] == "0");
+  window.key("Escape");
+  window.waitUntil("it is closed", isClosed);
 }

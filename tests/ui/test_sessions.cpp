@@ -161,7 +161,10 @@ TEST_CASE("a recovery file that cannot be written is reported once, and the simu
   if (const char *given = std::getenv("C3DE_TEST_HOME")) home = given;
   const ScopedEnvironment user("C3DE_HOME", home.string());
   WorkstationDriver window("session_unwritable");
-  startOrgan(window);
+  // No setting can be stored: the panel is that of a new user.
+  window.start({floatingOrgan().string()});
+  C3DE_WAIT(window, "the organ is there", s["transport"]["exists"] == true && s["jobs"].empty());
+  window.moveTo(window.inView(0.9, 0.9));
   play(window);
   waitForMessage(window, "Autosave failed");
   window.screenshot("reported");
