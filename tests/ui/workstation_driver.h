@@ -110,8 +110,8 @@ class WorkstationDriver {
   /// an image; of the whole screen for "screen".
   [[nodiscard]] double differingPixels(const std::string &first, const std::string &second,
                                        const std::string &pane = {}) const;
-  /// Takes the screenshot `second` until more than `least` pixels differ from `first`: the picture follows the state, on
-  /// a busy machine by seconds. False: they never did.
+  /// Takes the screenshot `second` until more than `least` pixels differ from `first`: the picture follows the state,
+  /// on a busy machine by seconds. False: they never did.
   [[nodiscard]] bool differsFrom(const std::string &first, const std::string &second, double least,
                                  const std::string &pane = {});
 

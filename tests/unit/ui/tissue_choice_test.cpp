@@ -14,14 +14,14 @@ using namespace c3de::ui;
 namespace {
 
 struct Fixture {
-  scene::MaterialLibrary library;
+  scene::MaterialLibrary materials;
   registry::ParameterRegistry registry;
   Handle body;
 
   explicit Fixture(std::vector<const char *> ids) {
     auto read = scene::MaterialLibrary::load(std::filesystem::path(testResourcesFolder()) / "materials.toml");
     REQUIRE(read);
-    library = std::move(*read);
+    materials = std::move(*read);
     registry::ParameterSet set;
     for (const char *id : ids) {
       ParameterDecl decl;
@@ -34,10 +34,10 @@ struct Fixture {
   }
   const registry::ParameterSet &set() { return *registry.find(body); }
   std::string chosen() {
-    const TissueChoice choice = tissueChoiceOf(set(), library);
+    const TissueChoice choice = tissueChoiceOf(set(), materials);
     return choice.names.at(choice.index);
   }
-  void choose(const char *name) { REQUIRE(registry.edit(body, "Tissue", tissueValues(set(), *library.find(name)))); }
+  void choose(const char *name) { REQUIRE(registry.edit(body, "Tissue", tissueValues(set(), *materials.find(name)))); }
   double value(const char *id) {
     for (const ParameterValue &value : set().values)
       if (value.id == id) return value.num;
@@ -54,7 +54,7 @@ const std::vector<const char *> kMaterial{C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_Y
 TEST_CASE("a tissue sets its values in one step of undo, and is recognised by them") {
   Fixture f(kMaterial);
   CHECK(f.chosen() == "custom");
-  for (const scene::MaterialPreset &preset : f.library.presets()) {
+  for (const scene::MaterialPreset &preset : f.materials.presets()) {
     f.choose(preset.name.c_str());
     CHECK(f.value(C3DE_PARAM_ID_YOUNGS_MODULUS) == preset.youngsModulus);
     CHECK(f.value(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW) == preset.youngsModulusMin);
@@ -63,9 +63,9 @@ TEST_CASE("a tissue sets its values in one step of undo, and is recognised by th
   }
   f.choose("liver");
   CHECK(f.chosen() == "liver");
-  const std::string tooltip = tissueChoiceOf(f.set(), f.library).tooltip;
+  const std::string tooltip = tissueChoiceOf(f.set(), f.materials).tooltip;
   CHECK(tooltip.find("1 … 15 kPa") != std::string::npos);
-  CHECK(tooltip.find(f.library.find("liver")->evidence) != std::string::npos);
+  CHECK(tooltip.find(f.materials.find("liver")->evidence) != std::string::npos);
 }
 
 TEST_CASE("a tissue is undone and redone with all of its values") {

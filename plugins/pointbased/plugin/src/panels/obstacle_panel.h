@@ -12,8 +12,9 @@
 
 namespace pointbased {
 
-/// Part of the panel: obstacles and implants. One is added from a file in a unit the user selects, or as a shape of given
-/// size: at the cross-hair, at the position in its file, or on the nearest surface. It can be moved and removed. Adding and removing are undo steps. Main thread.
+/// Part of the panel: obstacles and implants. One is added from a file in a unit the user selects, or as a shape of
+/// given size. Its place is at the cross-hair, at the position in its file, or on the nearest surface. It can be moved
+/// and removed. Adding and removing are undo steps. Main thread.
 class ObstaclePanel {
  public:
   ObstaclePanel(const Services &services, MoveTool &move) : services_(services), move_(move) {}
@@ -58,7 +59,8 @@ class ObstaclePanel {
   void keepStep(const std::string &what, const std::string &name, const Obstacle &obstacle, bool isIn);
   /// Makes a change of an obstacle on the simulation's thread. @param change  returns whether the simulation was reset
   [[nodiscard]] sdk::Result<void> post(const std::string &name, std::function<bool(Changes &)> change);
-  /// How far it has to be moved along the normal of its contact plane so that it touches skin but does not enter it, mm as read.
+  /// How far it is moved along the normal of its contact plane so that it touches skin but does not enter it, mm as
+  /// read.
   [[nodiscard]] static double clearanceShift(const Candidate &candidate, const Snapshot &snapshot,
                                              const PlacementTransform &transform, const Mat3 &rotation);
   [[nodiscard]] Placement placementOf(const Candidate &candidate, const Snapshot *snapshot) const;

@@ -27,7 +27,7 @@ class History : public Service<c3de_history_v1> {
     (void)box.release();
     return handle;
   }
-  /// Revision 2: what cannot be undone by itself can be a step of the host.
+  /// Revision 2: the host can undo changes without an inverse.
   [[nodiscard]] bool canCapture() const noexcept { return table_ && table_->rev >= 2; }
   /// Stores the present simulation, then calls `begin`, later; not if the plugin is stopped before.
   Result<void> capture(std::function<void()> begin) const {
