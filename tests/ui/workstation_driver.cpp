@@ -360,6 +360,8 @@ void WorkstationDriver::keyDown(const std::string &name) { xdotool({"keydown", n
 void WorkstationDriver::keyUp(const std::string &name) { xdotool({"keyup", name}); }
 
 void WorkstationDriver::type(const std::string &text, int delay_ms) {
+  // A field that a key has opened receives text from the next frame on.
+  waitUntil("a text field receives what is typed", [](const Json &s) { return s["text_input"].get<bool>(); });
   const int first = state().value("frame", 0);
   xdotool({"type", "--delay", std::to_string(delay_ms), "--", text});
   waitUntil("the text is seen", [&](const Json &s) { return s["frame"].get<int>() > first; });

@@ -89,7 +89,7 @@ class WorkstationDriver {
   /// Holds a key (xdotool's name, for example "ctrl") until keyUp().
   void keyDown(const std::string &name);
   void keyUp(const std::string &name);
-  /// @param delay_ms  between characters
+  /// Waits until a text field receives input. @param delay_ms  between characters
   void type(const std::string &text, int delay_ms = 40);
   /// Replaces the number in a field, and confirms it by Return.
   void enterNumber(const std::string &field, const std::string &text);

@@ -113,6 +113,7 @@ void AutomationState::endFrame(const FrameContext &frame, double now_s) {
         s["panes"][paneName(pane)] = {{"x", r.x}, {"y", r.y}, {"w", r.w}, {"h", r.h}};
   s["mouse"] = {{"x", frame.mouseX}, {"y", frame.mouseY}, {"buttons", frame.mouseButtons}};
   s["focused"] = frame.isFocused;
+  s["text_input"] = ImGui::GetIO().WantTextInput;
   s["title"] = frame.state.title;
   s["widgets"] = std::move(impl_->widgets);
   s["scrolled_out"] = std::move(impl_->scrolledOut);

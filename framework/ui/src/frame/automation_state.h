@@ -10,6 +10,7 @@
 //   panes          {axial, sagittal, coronal, 3D}: visible views of an image, in the form of `view`; {} without one
 //   mouse          {x, y, buttons}: in the last frame; buttons as in C3DE_BUTTON_*
 //   focused        the window has the keyboard focus
+//   text_input     a text field receives what is typed
 //   widgets        "area/id": [x0, y0, x1, y1] of every clickable item, clipped to its visible part. Areas:
 //                  menu, toolbar, scene, dialog, notification, job, window, and the id of each panel with the ids of
 //                  its widgets (a parameter has its own id, its "auto" box ".auto", an open list ".option.NAME")

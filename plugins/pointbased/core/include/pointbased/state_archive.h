@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pointbased/types.h"
@@ -20,6 +22,15 @@ struct Obstacle;
 
 /// The state of a simulation at one time, for StateArchive::restore(). Cheap to copy.
 using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
+
+/// A body that continued from a body of another simulation.
+struct ContinuedBody {
+  std::size_t id = 0;
+  /// Both have the same phyxels: displacements, velocities and history are equal bit for bit. Otherwise they are
+  /// interpolated, and relaxed hourglass modes begin anew.
+  bool isSame = false;
+  double energyBefore = 0.0, energyAfter = 0.0;  ///< J, elastic and kinetic, of the other body and of this one
+};
 
 /// Stores and restores the state of a simulation: as checkpoints in memory, or as bytes.
 class StateArchive {
@@ -44,6 +55,16 @@ class StateArchive {
   /// @param instruments  of save(), in their order, as World::addInstrument() adds them; they replace the present ones
   /// @return             [instruments] their ids
   [[nodiscard]] Result<std::vector<std::size_t>> load(std::string_view bytes, std::vector<Obstacle> instruments = {});
+  /// Continues at the present time of another simulation, with the state of its bodies. A body here may be filled
+  /// differently, for example because its shape was corrected: new material around it follows the motion of the nearest
+  /// phyxels. Contacts are found again. Grabs, instruments and torn connections are those of this simulation at its start.
+  /// Bodies without a counterpart, and static ones, are in their initial state.
+  /// Errors, with nothing changed: a body whose reference was renewed after large flow, or that is rigid in only one of
+  /// the simulations; one simulation is quasi-static and the other is not; ids without a body.
+  /// @param from    between two steps; not this simulation
+  /// @param bodies  id in `from`, id here; each at most once
+  [[nodiscard]] Result<std::vector<ContinuedBody>> continueFrom(
+      const StateArchive &from, std::span<const std::pair<std::size_t, std::size_t>> bodies);
   /// Changes whenever earlier checkpoints become invalid.
   [[nodiscard]] std::uint64_t historyEpoch() const;
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "analysis/fine_reference_forces.h"
-#include "base/point_tree.h"
+#include "body/history_transfer.h"
 #include "stepping/implicit/stage_solution.h"
 
 namespace pointbased::detail {
@@ -23,29 +23,8 @@ constexpr double kSettled = 0.01;           // part of the path that a round may
                                             // digits
 constexpr double kRoundLeft = 0.7, kRoundLeaves = 0.85;  // remaining progress at first, and its factor per round
 constexpr int kUsualLoadSteps = 10;
-constexpr std::size_t kNearest = 16;  // points among which one of the same material is searched
 
 tl::unexpected<std::string> refused(const std::string &text) { return tl::unexpected<std::string>(text); }
-
-// Plastic strain of the nearest point of the same material.
-void takeFlow(const Body &body, Body &fineReference) {
-  const std::vector<Mat3> &from = body.state().history.plasticInverse;
-  std::vector<Mat3> &to = fineReference.state().history.plasticInverse;
-  if (from.empty() || to.empty()) return;
-  const StencilSet &coarse = body.rest().stencils, &fine = fineReference.rest().stencils;
-  const auto materialOf = [](const StencilSet &s, std::size_t q) { return s.materials.empty() ? 0 : s.materials[q]; };
-  const PointTree tree(body.rest().pointCentres);
-  std::vector<Index> indices(kNearest);
-  std::vector<double> squared(kNearest);
-  for (std::size_t q = 0; q < to.size(); ++q) {
-    const Vec3 at = fineReference.rest().pointCentres[q] + fineReference.rest().origin - body.rest().origin;
-    const std::size_t found = tree.nearest(at, kNearest, indices.data(), squared.data());
-    const auto end = indices.begin() + static_cast<std::ptrdiff_t>(found);
-    const auto same =
-        std::find_if(indices.begin(), end, [&](Index p) { return materialOf(coarse, p) == materialOf(fine, q); });
-    if (found > 0) to[q] = from[same == end ? indices.front() : *same];
-  }
-}
 
 // Whether fixing these points prevents rotation of the body: they are not collinear.
 bool holdsAgainstTurns(std::span<const Vec3> points, double spacing) {
@@ -114,7 +93,7 @@ class DirectSolver {
     for (Vec3 &x : at) x += fineReference_.rest().origin - body.rest().origin;
     interpolateDisplacements(body.rest().bind(at, {}), body.rest().positions, body.state().displacements,
                              fineReference_.state().displacements, problem_.parallelFor);
-    takeFlow(body, fineReference_);
+    transferPlasticStrain(body, fineReference_.state(), fineReference_.rest());
     fineReference_.placeHeld(clock_, false);
     if (!isHeld_) holdByContact();
     given_ = carriedOver(body, leftOver, !leansOnContact_, fineReference_, problem_.parallelFor);

@@ -78,6 +78,8 @@ constexpr c3de_attachment_v1 kAttachmentSlots{sizeof(c3de_attachment_v1), 1,
 constexpr c3de_grasp_v1 kGraspSlots{sizeof(c3de_grasp_v1), 1, slot<&Parts::grasps, &Grasps::add>};
 constexpr c3de_changes_v1 kChangesSlots{sizeof(c3de_changes_v1), 1, slot<&Parts::changes, &Changes::observe>,
                                         slot<&Parts::changes, &Changes::apply>};
+constexpr c3de_continuation_v0 kContinuationSlots{sizeof(c3de_continuation_v0), 1,
+                                                  slot<&Parts::continuation, &Continuation::continueFrom>};
 
 }  // namespace
 
@@ -87,9 +89,15 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 6> WorldSimulator::interfaces() {
+std::array<sdk::Interface, 7> WorldSimulator::interfaces() {
   return {sdk::interfaceOf(kSimulatorSlots),  sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots)};
+          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots),
+          sdk::interfaceOf(kContinuationSlots)};
+}
+
+WorldSimulator *WorldSimulator::fromAbi(c3de_object *object) {
+  const auto *table = sdk::Ref<>::share(object).query<c3de_continuation_v0>();
+  return table == &kContinuationSlots ? from(object) : nullptr;
 }
 
 void WorldSimulator::attach(c3de_handle node) {

@@ -9,6 +9,7 @@
 #include "simulator/changing_calls.h"
 #include "simulator/checkpoints.h"
 #include "simulator/contacts.h"
+#include "simulator/continuation.h"
 #include "simulator/grasps.h"
 #include "simulator/obstacles.h"
 #include "simulator/probes.h"
@@ -39,6 +40,7 @@ struct SimulatorParts {
   BodyQueries queries{world};
   BodyVerifier verifier{world, snapshots};
   SavedState savedState{world, forces, conditions, holds, grasps, obstacles};
+  Continuation continuation{world, conditions};
   Checkpoints checkpoints{world, grasps};
   Changes changes{*this};
   ChangingCalls calls{*this};
@@ -68,7 +70,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void phyxels(c3de_handle body, c3de_object **out);
   void surfels(c3de_handle body, c3de_object **out);
 
-  static std::array<sdk::Interface, 6> interfaces();
+  static std::array<sdk::Interface, 7> interfaces();
+  /// Null if the object is of another class, or of another plugin.
+  [[nodiscard]] static WorldSimulator *fromAbi(c3de_object *object);
 
   // For the controller, the views and the tools of this plugin.
   [[nodiscard]] SimulatorParts &parts() { return parts_; }
