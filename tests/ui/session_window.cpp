@@ -14,6 +14,18 @@ fs::path freshFile(const std::string &name) {
   return file;
 }
 
+fs::path freshHome(const std::string &name) {
+  fs::path home = outputFile(name);
+  fs::remove_all(home);
+  return home;
+}
+
+Json notification(const Json &state, const std::string &title) {
+  for (const Json &one : state["notifications"])
+    if (one["title"] == title) return one;
+  return nullptr;
+}
+
 void waitForMessage(WorkstationDriver &window, const std::string &wanted) {
   C3DE_WAIT(window, wanted, s["notifications"].dump().find(wanted) != std::string::npos);
 }

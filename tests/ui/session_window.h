@@ -11,6 +11,10 @@ namespace c3de::test {
 
 /// An output file that does not exist.
 std::filesystem::path freshFile(const std::string &name);
+/// A folder for the settings of a user, which does not exist.
+std::filesystem::path freshHome(const std::string &name);
+/// The message with this title; null: there is none.
+Json notification(const Json &state, const std::string &title);
 /// Waits until a message contains this text.
 void waitForMessage(WorkstationDriver &window, const std::string &wanted);
 /// What `c3de info --json` reports for a session.

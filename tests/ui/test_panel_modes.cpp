@@ -5,6 +5,7 @@
 
 #include "support/catch.h"
 #include "support/environment.h"
+#include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
@@ -15,12 +16,6 @@ using namespace c3de::test;
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path freshHome(const std::string &name) {
-  fs::path home = outputFile(name);
-  fs::remove_all(home);
-  return home;
-}
 
 std::string firstLight() { return (fs::path(testResourcesFolder()) / "scenes" / "first_light.toml").string(); }
 

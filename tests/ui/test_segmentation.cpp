@@ -192,12 +192,6 @@ imaging::LabelMap manyLabels() {
   return map;
 }
 
-Json notification(const Json &state, const std::string &title) {
-  for (const Json &one : state["notifications"])
-    if (one["title"] == title) return one;
-  return nullptr;
-}
-
 }  // namespace
 
 TEST_CASE("several labels become bodies at once, one that fails is named, and steps are undone by keys",

@@ -77,7 +77,7 @@ std::string MaskStep::text() const {
   switch (kind) {
     case Kind::label: return "label " + std::to_string(label);
     case Kind::labels: return labels.empty() ? "nothing picked" : std::to_string(labels.size()) + " labels";
-    case Kind::restored: return "restored from a session";
+    case Kind::restored: return "taken from a session or a body";
     case Kind::threshold: return "threshold " + formatNumber(low) + " … " + formatNumber(high);
     case Kind::component: return fmt::format("the part at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
     case Kind::largest: return "the largest part";

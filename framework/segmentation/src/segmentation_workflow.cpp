@@ -343,6 +343,34 @@ void SegmentationWorkflow::onMaskChanged() {
     }
   }
   if (events_.maskChanged) events_.maskChanged();
+  if (isUpdatedLive_) updateBody();
+}
+
+const SegmentationWorkflow::ExistingBody *SegmentationWorkflow::presentBody() const {
+  if (isSeveral()) return nullptr;
+  const auto found = std::find_if(bodies_.begin(), bodies_.end(),
+                                  [this](const ExistingBody &body) { return body.name == settings_.name; });
+  return found == bodies_.end() ? nullptr : &*found;
+}
+
+void SegmentationWorkflow::editBody(const std::string &name) {
+  const auto found = std::find_if(bodies_.begin(), bodies_.end(),
+                                  [&name](const ExistingBody &body) { return body.name == name; });
+  if (found == bodies_.end()) return;
+  restore({found->mask, {}, name, settings_.low, settings_.high});
+}
+
+std::string SegmentationWorkflow::updateReason() const {
+  const ExistingBody *body = presentBody();
+  if (!body) return "no body has the name '" + settings_.name + "'";
+  if (mask_.isBusy()) return "the mask is being computed";
+  if (!mask_.mask() || mask_.voxels() == 0) return "the mask is empty (1)";
+  if (mask_.mask() == body->mask) return "the mask is that of the body";
+  return {};
+}
+
+void SegmentationWorkflow::updateBody() {
+  if (events_.update && updateReason().empty()) events_.update(settings_.name, mask_.mask());
 }
 
 render::Colour SegmentationWorkflow::colour() const {

@@ -46,6 +46,10 @@ class SimulationHistory : public registry::SimulationSteps {
   /// @param label       "create liver"
   /// @param picksAgain  undo picks the structure of the body again
   void add(const std::string &label, bool picksAgain);
+  /// The simulation before what began with the last captureBefore(); null: it could not be stored, for the reason
+  /// notCaptured(). Valid until add().
+  [[nodiscard]] const CapturedState *before() const { return before_ ? &before_->captured : nullptr; }
+  [[nodiscard]] const std::string &notCaptured() const { return notCaptured_; }
   /// Another simulation was opened, or the present one was closed: its steps do not apply any more.
   void clear();
 

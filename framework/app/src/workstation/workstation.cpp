@@ -29,6 +29,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "workstation/body_creation_controller.h"
+#include "workstation/body_update_controller.h"
 #include "workstation/export_controller.h"
 #include "workstation/figure_controller.h"
 #include "workstation/measurement_controller.h"
@@ -122,6 +123,7 @@ class Workstation {
   std::optional<PlotController> plots_;
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
+  std::optional<BodyUpdateController> bodyUpdates_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
   std::optional<RecentFilesController> recent_;            ///< its thread uses the session's queue
@@ -201,6 +203,9 @@ void Workstation::createControllers() {
     history_->captureBefore(
         [this, requests = std::move(requests)](std::uint64_t) { bodyCreation_->createBodies(requests); });
   };
+  events.updateBody = [this](const std::string &body, std::shared_ptr<const imaging::Mask> mask) {
+    bodyUpdates_->update(body, std::move(mask));
+  };
   events.createScanBody = [this](const std::string &scene) {
     if (replay_->isReplaying()) return onFailed("The body was not created", {ErrorCode::state, ui::kReplayLocks});
     history_->captureBefore([this, scene](std::uint64_t) { bodyCreation_->createScanBody(scene); });
@@ -235,6 +240,13 @@ void Workstation::createControllers() {
       SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(), failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
+  bodyUpdates_.emplace(
+      BodyUpdateController::Parts{session, panels_, tools_, *loader_, *images_, *sessions_, *history_, failed},
+      [this]() -> std::string {
+        if (replay_->isReplaying()) return ui::kReplayLocks;
+        recording_->end("A body is updated.");
+        return {};
+      });
   tissueSurfaces_.emplace(session, *renderer_);
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
   session.setPublishedHook([this](const scene::Simulation &simulation) {
@@ -445,7 +457,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   ui::ImageOptions options = images_->views().options();
   options.still = image.still;
   images_->views().setOptions(options);
-  images_->onBodiesRemoved();
+  if (!loaded.session || !loaded.session->continuesFrom) images_->onBodiesRemoved();
   images_->showMissing(loaded.coverage, true);
   beginTissues(loaded.tissues);
   images_->showDisplacement(nullptr);
@@ -489,6 +501,7 @@ void Workstation::beginTissues(std::vector<TissueVoxels> bodies) {
 
 /// Called before a frame. A snapshot that was skipped is requested again if no other follows.
 void Workstation::showLatestResults() {
+  bodyUpdates_->showBodies();
   TissueTracker &tracker = tissueTable_->tracker();
   warp_->showLatest();
   tissueTable_->update();

@@ -165,6 +165,11 @@ void WorkstationLoader::load(Source source, bool isReload) {
             return built;
           if (auto restored = restore(*opened, simulator->get(), identity, placed->notRestored); !restored)
             return restored;
+          if (opened->continuesFrom) {
+            auto continued = continueFrom(session_, simulator->get(), opened->continuesFrom->get());
+            if (!continued) return tl::unexpected(continued.error());
+            *opened->continued = std::move(*continued);
+          }
         }
         placed->bodies = boundsOfBodies(simulator->get());
         if (!needsFloor || !placed->bodies) return {};
@@ -182,6 +187,8 @@ void WorkstationLoader::load(Source source, bool isReload) {
         }
         job_ = {};
         if (!result) return failed(result.error());
+        if (source.session && source.session->isOutdated && source.session->isOutdated())
+          return failed({ErrorCode::state, "the simulation was changed meanwhile"});
         SimulationSource built = source.session ? source.session->source : SimulationSource{shared};
         if (placed->room) built.front() = withWalls(*shared, *placed->room);
         if (auto adopted = session_.adopt(simulator->get(), sceneTitle, std::move(built)); !adopted)

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "app.h"
+#include "c3de/session/body_update.h"
 #include "c3de/session/saved_session.h"
 #include "c3de/session/session.h"
+#include "c3de/session/simulator_access.h"
 
 namespace c3de::app {
 
@@ -24,9 +26,13 @@ class WorkstationLoader {
     std::vector<FoundFile> files;
     std::shared_ptr<const imaging::Mask> mask;  ///< of saved.view.selection; null: none
     SimulationSource source;                    ///< empty: no simulation, only an image
-    std::string action;  ///< undo or redo that restores it, or a return: "undo create liver"; empty: it was opened
+    std::string action;  ///< what builds it, besides opening a file: "undo create liver", "update liver"; or empty
     std::string title;   ///< of the simulation; empty: that of its scene
     bool usesChangedFiles = false;  ///< a state that does not fit is not restored
+    /// The simulator from whose state it continues, with what became of its bodies; null: none.
+    std::shared_ptr<ObjectRef> continuesFrom = nullptr;
+    std::shared_ptr<std::vector<ContinuedBody>> continued = nullptr;  ///< not null with continuesFrom
+    std::function<bool()> isOutdated = {};                            ///< asked before it becomes the present one
   };
   struct Loaded {
     bool isReload = false;                         ///< the same files as before

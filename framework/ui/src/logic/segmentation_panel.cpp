@@ -52,6 +52,7 @@ void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   }
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
+  drawBodies(ui);
   const std::size_t several = workflow_.isSeveral() ? workflow_.pickedLabels().size() : 0;
   if (several > 0) {
     drawSeveral(ui);
@@ -76,11 +77,34 @@ void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   drawSampling(ui);
   drawHolding(ui);
   heading(ui, "4  Simulate");
+  if (workflow_.presentBody()) return drawUpdate(ui);
   const std::string reason = workflow_.blockingReason();
   const std::string create = several > 0 ? fmt::format("Create {} bodies", several) : std::string("Create body");
   if (button(ui, "create", create, reason.empty())) workflow_.createBodies();
   tooltip(ui, "A body of the simulation of each that is picked: its surface, its points, its material");
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
+}
+
+void SegmentationPanel::drawUpdate(const c3de_ui_v1 &ui) {
+  const std::string reason = workflow_.updateReason();
+  if (button(ui, "update", "Update body", reason.empty())) workflow_.updateBody();
+  tooltip(ui,
+          "Replaces the mask of the body. It keeps material, sampling and supports, and continues with its present "
+          "deformation");
+  bool isLive = workflow_.isUpdatedLive();
+  checkbox(ui, "update_live", "After every change of the mask", isLive,
+           "Each stroke of the brush updates the body when the mouse button is released");
+  workflow_.setUpdatedLive(isLive);
+  text(ui, reason.empty() ? "The mask differs from that of the body." : "Nothing to update: " + reason + ".");
+}
+
+void SegmentationPanel::drawBodies(const c3de_ui_v1 &ui) {
+  if (workflow_.bodies().empty()) return;
+  std::vector<std::string> names{"– choose –"};
+  for (const auto &body : workflow_.bodies()) names.push_back(body.name);
+  std::uint32_t index = 0;
+  if (choice(ui, "edit_body", "Edit the mask of a body", index, names) && index > 0)
+    workflow_.editBody(names[index]);
 }
 
 void SegmentationPanel::clickButton(const c3de_ui_v1 &ui, const char *id, const char *label, const char *doc,

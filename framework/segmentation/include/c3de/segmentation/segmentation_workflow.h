@@ -67,6 +67,8 @@ class SegmentationWorkflow {
   struct Events {
     std::function<void()> maskChanged;                   ///< or its properties
     std::function<void(std::vector<BodyRequest>)> make;  ///< not empty
+    /// A body of the simulation gets another mask.
+    std::function<void(const std::string &body, std::shared_ptr<const imaging::Mask>)> update;
   };
   /// @param materials  must outlive the workflow
   SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
@@ -162,6 +164,25 @@ class SegmentationWorkflow {
   [[nodiscard]] std::string blockingReason() const;
   /// No effect while blockingReason() has a reason.
   void createBodies();
+  /// A body of the simulation that was created from a mask.
+  struct ExistingBody {
+    std::string name;
+    std::shared_ptr<const imaging::Mask> mask;
+    friend bool operator==(const ExistingBody &, const ExistingBody &) = default;
+  };
+  void setBodies(std::vector<ExistingBody> bodies) { bodies_ = std::move(bodies); }
+  [[nodiscard]] const std::vector<ExistingBody> &bodies() const { return bodies_; }
+  /// The body that has the present name, and whose mask can therefore be replaced; null: none, or several labels.
+  [[nodiscard]] const ExistingBody *presentBody() const;
+  /// Selects the mask of a body for editing. No effect without a body of this name.
+  void editBody(const std::string &name);
+  /// Why the mask of presentBody() cannot be replaced now, for the user; empty: it can.
+  [[nodiscard]] std::string updateReason() const;
+  /// No effect while updateReason() has a reason.
+  void updateBody();
+  /// Whether every change of the mask updates presentBody() at once.
+  [[nodiscard]] bool isUpdatedLive() const { return isUpdatedLive_; }
+  void setUpdatedLive(bool isUpdatedLive) { isUpdatedLive_ = isUpdatedLive; }
   /// Deselects what has become a body; failed labels stay selected.
   void onBodiesCreated(const std::vector<BodyRequest> &created);
   /// Whether the last step is the remaining selection after bodies were created. One more undo would show the source of
@@ -191,6 +212,8 @@ class SegmentationWorkflow {
   std::map<std::uint16_t, bool> labelRigid_;
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
+  std::vector<ExistingBody> bodies_;
+  bool isUpdatedLive_ = false;
   std::optional<Vec3> paintedNormal_;  ///< of the last slice that was painted
   std::shared_ptr<bool> alive_;
 };

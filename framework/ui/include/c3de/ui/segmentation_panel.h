@@ -34,6 +34,8 @@ class SegmentationPanel {
   void clickButton(const c3de_ui_v1 &ui, const char *id, const char *label, const char *doc,
                    void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &));
   void drawSource(const c3de_ui_v1 &ui);
+  void drawBodies(const c3de_ui_v1 &ui);
+  void drawUpdate(const c3de_ui_v1 &ui);
   void drawLabels(const c3de_ui_v1 &ui);
   void drawThreshold(const c3de_ui_v1 &ui);
   void drawHistogram(const c3de_ui_v1 &ui, const scene::StoredImage &image);
