@@ -354,8 +354,8 @@ const SegmentationWorkflow::ExistingBody *SegmentationWorkflow::presentBody() co
 }
 
 void SegmentationWorkflow::editBody(const std::string &name) {
-  const auto found = std::find_if(bodies_.begin(), bodies_.end(),
-                                  [&name](const ExistingBody &body) { return body.name == name; });
+  const auto found =
+      std::find_if(bodies_.begin(), bodies_.end(), [&name](const ExistingBody &body) { return body.name == name; });
   if (found == bodies_.end()) return;
   restore({found->mask, {}, name, settings_.low, settings_.high});
 }
@@ -365,8 +365,16 @@ std::string SegmentationWorkflow::updateReason() const {
   if (!body) return "no body has the name '" + settings_.name + "'";
   if (mask_.isBusy()) return "the mask is being computed";
   if (!mask_.mask() || mask_.voxels() == 0) return "the mask is empty (1)";
-  if (mask_.mask() == body->mask) return "the mask is that of the body";
+  if (areEqual(mask_.mask(), body->mask)) return "the mask is that of the body";
   return {};
+}
+
+bool SegmentationWorkflow::areEqual(const std::shared_ptr<const imaging::Mask> &one,
+                                    const std::shared_ptr<const imaging::Mask> &other) const {
+  if (one == other) return true;
+  if (compared_.one != one || compared_.other != other)
+    compared_ = {one, other, imaging::sameGrid(one->geometry, other->geometry) && one->voxels == other->voxels};
+  return compared_.isEqual;
 }
 
 void SegmentationWorkflow::updateBody() {

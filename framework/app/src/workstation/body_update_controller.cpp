@@ -34,6 +34,7 @@ void BodyUpdateController::showBodies() {
 
 void BodyUpdateController::update(const std::string &body, std::shared_ptr<const imaging::Mask> mask) {
   Request request{body, std::move(mask), Clock::now()};
+  request.isOfStroke = parts_.images.workflow().isUpdatedLive();
   if (isRunning_)
     next_ = std::move(request);
   else
@@ -72,7 +73,8 @@ void BodyUpdateController::build(const Request &request) {
     return !present || present->object() != object || log->count() != count;
   };
   parts_.loader.openSession(
-      opened, true, [this, request, continued = opened->continued, isOutdated = opened->isOutdated](const Expected<void> &result) {
+      opened, true,
+      [this, request, continued = opened->continued, isOutdated = opened->isOutdated](const Expected<void> &result) {
         if (result) return onBuilt(request, *continued);
         scene::Simulation *present = parts_.session.simulation();
         if (result.error().code != ErrorCode::cancelled && present && isOutdated() && request.tries + 1 < kTries) {
@@ -86,7 +88,8 @@ void BodyUpdateController::build(const Request &request) {
 
 void BodyUpdateController::onBuilt(const Request &request, const std::vector<ContinuedBody> &bodies) {
   parts_.tools.cancelActive();  // the tissue that a tool held belongs to the earlier body
-  parts_.history.add("update " + request.body, false);
+  using MaskUndo = SimulationHistory::MaskUndo;
+  parts_.history.add("update " + request.body, request.isOfStroke ? MaskUndo::ofStroke : MaskUndo::none);
   parts_.sessions.onReplaced();
   if (request.isPlaying) parts_.session.simulation()->transport(C3DE_TRANSPORT_PLAY);
   const double took_ms = std::chrono::duration<double, std::milli>(Clock::now() - request.requested).count();

@@ -47,6 +47,7 @@ class BodyUpdateController {
     Clock::time_point requested;
     int tries = 0;
     bool isPlaying = false;
+    bool isOfStroke = false;  ///< it follows one change of the mask
   };
   void begin(Request request);
   void build(const Request &request);

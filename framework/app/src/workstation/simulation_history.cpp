@@ -55,11 +55,11 @@ void SimulationHistory::captureBefore(const std::function<void(std::uint64_t cap
 
 bool SimulationHistory::addCaptured(std::uint64_t capture, const std::string &label) {
   if (capture != captures_) return false;
-  add(label, false);
+  add(label);
   return true;
 }
 
-void SimulationHistory::add(const std::string &label, bool picksAgain) {
+void SimulationHistory::add(const std::string &label, MaskUndo mask) {
   if (!before_) {
     if (const std::string why = std::exchange(notCaptured_, {}); !why.empty())
       parts_.panels.notify(C3DE_LOG_WARN, "This cannot be undone: " + label,
@@ -67,7 +67,7 @@ void SimulationHistory::add(const std::string &label, bool picksAgain) {
     return;
   }
   const std::uint64_t number = ++lastNumber_;
-  auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}, picksAgain});
+  auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}, mask});
   registry::Edit edit;
   edit.label = label;
   edit.self = step.get();
@@ -177,11 +177,13 @@ void SimulationHistory::onRestored(const Exchange &exchange) {
   Step &step = *stepOf(exchange);
   const CapturedState &target = step.other->captured;
   segmentation::SegmentationWorkflow &workflow = parts_.images.workflow();
-  // The structure is picked again, or not any more.
-  if (exchange.isUndo && step.picksAgain && workflow.hasJustCreated()) {
+  const bool hasMaskStep = step.mask == MaskUndo::ofCreation
+                               ? workflow.hasJustCreated()
+                               : step.mask == MaskUndo::ofStroke && workflow.mask().canUndo();
+  if (exchange.isUndo && hasMaskStep) {
     workflow.undo();
-    step.isPickedAgain = true;
-  } else if (!exchange.isUndo && std::exchange(step.isPickedAgain, false) && workflow.mask().canRedo()) {
+    step.isMaskUndone = true;
+  } else if (!exchange.isUndo && std::exchange(step.isMaskUndone, false) && workflow.mask().canRedo()) {
     workflow.redo();
   }
   parts_.sessions.onReplaced();

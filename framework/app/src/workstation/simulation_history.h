@@ -42,10 +42,15 @@ class SimulationHistory : public registry::SimulationSteps {
 
   void captureBefore(const std::function<void(std::uint64_t capture)> &begin) override;
   bool addCaptured(std::uint64_t capture, const std::string &label) override;
+  /// What undo and redo do with the mask in the image.
+  enum class MaskUndo {
+    none,
+    ofCreation,  ///< undo picks the structure of the body again
+    ofStroke     ///< undo reverts the last change of the mask, which the body followed
+  };
   /// What began with the last captureBefore() has succeeded. No effect if its capture failed.
-  /// @param label       "create liver"
-  /// @param picksAgain  undo picks the structure of the body again
-  void add(const std::string &label, bool picksAgain);
+  /// @param label  "create liver"
+  void add(const std::string &label, MaskUndo mask = MaskUndo::none);
   /// The simulation before what began with the last captureBefore(); null: it could not be stored, for the reason
   /// notCaptured(). Valid until add().
   [[nodiscard]] const CapturedState *before() const { return before_ ? &before_->captured : nullptr; }
@@ -65,8 +70,8 @@ class SimulationHistory : public registry::SimulationSteps {
     std::string label;
     std::shared_ptr<const Version> other;  ///< what undo, or redo, restores
     Handle edit;
-    bool picksAgain = false;
-    bool isPickedAgain = false;  ///< undo has picked the structure of the body
+    MaskUndo mask = MaskUndo::none;
+    bool isMaskUndone = false;
   };
   using SharedVersion = std::shared_ptr<const Version>;
 

@@ -216,11 +216,14 @@ void Workstation::createControllers() {
   images_.emplace(session, *renderer_, panels_, tools_, std::move(events));
   tissueTable_.emplace(images_->views(), [this] { window_->wake(); });
   warp_.emplace(session, *images_, tissueTable_->tracker(), failed);
-  bodyCreation_.emplace(
-      BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
-      BodyCreationController::Events{
-          [this](bool isNew) { onBodiesJoined(isNew); },
-          [this](const std::string &label, bool isPicked) { history_->add(label, isPicked); }, failed});
+  bodyCreation_.emplace(BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
+                        BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); },
+                                                       [this](const std::string &label, bool isPicked) {
+                                                         using MaskUndo = SimulationHistory::MaskUndo;
+                                                         history_->add(
+                                                             label, isPicked ? MaskUndo::ofCreation : MaskUndo::none);
+                                                       },
+                                                       failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
                                                 [this](const auto &file) { replay_->openPast(file); }});

@@ -69,7 +69,8 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
                                      registry::ToolRegistry &tools, Events events)
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
-      workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies, events_.updateBody}),
+      workflow_(session.jobs(), kJobOwner, session.materials(),
+                {[this] { showPreview(); }, events_.createBodies, events_.updateBody}),
       brush_(tools, views_, workflow_),
       scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody),
       labels_({session, renderer, panels, views_, workflow_},

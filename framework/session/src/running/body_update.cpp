@@ -48,8 +48,9 @@ Expected<SimulationSource> withMask(const SimulationSource &source, const std::s
     return changed;
   }
   return fail(ErrorCode::usage,
-              body + ": no body of this name was created from a mask; accepted: bodies that were created from one "
-                     "structure picked in an image");
+              body +
+                  ": no body of this name was created from a mask; accepted: bodies that were created from one "
+                  "structure picked in an image");
 }
 
 Expected<std::vector<ContinuedBody>> continueFrom(Session &session, c3de_object *simulator, c3de_object *other) {

@@ -103,8 +103,7 @@ void SegmentationPanel::drawBodies(const c3de_ui_v1 &ui) {
   std::vector<std::string> names{"– choose –"};
   for (const auto &body : workflow_.bodies()) names.push_back(body.name);
   std::uint32_t index = 0;
-  if (choice(ui, "edit_body", "Edit the mask of a body", index, names) && index > 0)
-    workflow_.editBody(names[index]);
+  if (choice(ui, "edit_body", "Edit the mask of a body", index, names) && index > 0) workflow_.editBody(names[index]);
 }
 
 void SegmentationPanel::clickButton(const c3de_ui_v1 &ui, const char *id, const char *label, const char *doc,

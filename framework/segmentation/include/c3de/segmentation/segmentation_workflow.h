@@ -174,7 +174,7 @@ class SegmentationWorkflow {
   [[nodiscard]] const std::vector<ExistingBody> &bodies() const { return bodies_; }
   /// The body that has the present name, and whose mask can therefore be replaced; null: none, or several labels.
   [[nodiscard]] const ExistingBody *presentBody() const;
-  /// Selects the mask of a body for editing. No effect without a body of this name.
+  /// Selects the mask of a body for editing, which begins a new undo history. No effect without a body of this name.
   void editBody(const std::string &name);
   /// Why the mask of presentBody() cannot be replaced now, for the user; empty: it can.
   [[nodiscard]] std::string updateReason() const;
@@ -190,6 +190,8 @@ class SegmentationWorkflow {
   [[nodiscard]] bool hasJustCreated() const;
 
  private:
+  [[nodiscard]] bool areEqual(const std::shared_ptr<const imaging::Mask> &one,
+                              const std::shared_ptr<const imaging::Mask> &other) const;
   void countLabels();
   void chooseLabel(std::uint16_t value, MaskStep step);
   void preselectMaterial();
@@ -214,6 +216,11 @@ class SegmentationWorkflow {
   bool followsUndo_ = false;
   std::vector<ExistingBody> bodies_;
   bool isUpdatedLive_ = false;
+  struct Comparison {
+    std::shared_ptr<const imaging::Mask> one, other;
+    bool isEqual = false;
+  };
+  mutable Comparison compared_;        ///< the last one: masks are large
   std::optional<Vec3> paintedNormal_;  ///< of the last slice that was painted
   std::shared_ptr<bool> alive_;
 };

@@ -90,8 +90,8 @@ WorldSimulator::~WorldSimulator() {
 }
 
 std::array<sdk::Interface, 7> WorldSimulator::interfaces() {
-  return {sdk::interfaceOf(kSimulatorSlots),  sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots),
+  return {sdk::interfaceOf(kSimulatorSlots),   sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
+          sdk::interfaceOf(kAttachmentSlots),  sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots),
           sdk::interfaceOf(kContinuationSlots)};
 }
 

@@ -111,8 +111,7 @@ Result<std::vector<ContinuedBody>> StateArchive::continueFrom(
     (void)stepper.restore(checkpoint, state_.parallelFor);
     target.placeHeld(state_.rampTime(), false);
     target.invalidatePointValues();
-    continued.push_back(
-        {now, isSame, energyOf(source, state_.parallelFor), energyOf(target, state_.parallelFor)});
+    continued.push_back({now, isSame, energyOf(source, state_.parallelFor), energyOf(target, state_.parallelFor)});
   }
   return continued;
 }
