@@ -90,6 +90,9 @@ class Documents(unittest.TestCase):
             self.skipTest("[C3DE-SKIPPED] numpy is not installed (Debian package python3-numpy)")
         programs = blocks("python.md", "python")
         self.assertGreater(len(programs), 5)
+        drawn = self.run_in_folder(os.environ["C3DE_PROGRAM"], "run", "cantilever.toml", "-q", "--screenshot", "a.png")
+        if drawn.returncode == 6:  # no OpenGL, or a build without a window
+            programs = [one for one in programs if "picture(" not in one]
         program = self.folder / "program.py"
         program.write_text("\n".join(programs))
         ran = self.run_in_folder(sys.executable, program, PYTHONPATH=str(self.prefix / "lib/python3/dist-packages"))

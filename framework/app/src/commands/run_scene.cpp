@@ -186,10 +186,12 @@ Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFil
 }
 
 /// The scene's image has already been read and exists.
-Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, BodySources &sources,
-                                        const scene::MaterialLibrary &materials, const Prepared &prepared) {
+Expected<PictureSources> pictureSources(const RunOptions &options, PictureView view, const scene::SceneFile &scene,
+                                        BodySources &sources, const scene::MaterialLibrary &materials,
+                                        const Prepared &prepared) {
   PictureSources out;
   out.view = view;
+  out.camera = options.camera;
   if (view == PictureView::space) return out;
   imaging::ReadOptions atTime;
   atTime.time = scene.image->time;
@@ -216,7 +218,7 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
 Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                            const RunOptions &options, RunPicture &picture, PictureView view, BodySources &sources,
                            const Prepared &prepared) {
-  auto shown = pictureSources(view, scene, sources, session.materials(), prepared);
+  auto shown = pictureSources(options, view, scene, sources, session.materials(), prepared);
   if (!shown) return tl::unexpected(shown.error());
   if (options.overlay) shown->overlay = *options.overlay;
   if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;

@@ -11,10 +11,11 @@ of the program. Any thread may call; calls to the same simulation are serialised
 """
 
 from ._library import Error, version
+from ._pictures import Window
 from ._scene import Scene
 from ._simulation import Body, Event, Hold, Parameter, PointSet, Simulation, Status, Surface, open
 from ._sweep import SweepRow, sweep
 
 __version__ = version()
 __all__ = ["Body", "Error", "Event", "Hold", "Parameter", "PointSet", "Scene", "Simulation", "Status", "Surface",
-           "SweepRow", "open", "sweep", "version"]
+           "SweepRow", "Window", "open", "sweep", "version"]

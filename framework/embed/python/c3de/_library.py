@@ -9,6 +9,7 @@ from typing import Any, List
 OK = 0
 E_ARG, E_UNSUPPORTED, E_NOT_FOUND, E_STALE, E_STATE = -1, -3, -5, -6, -7
 E_IO, E_FORMAT, E_CANCELLED, E_TIMEOUT, E_DIVERGED = -10, -11, -12, -13, -14
+E_GRAPHICS, E_INTERNAL = -15, -17
 _NAMES = {-1: "argument", -2: "version", -3: "unsupported", -4: "exists", -5: "not found", -6: "closed", -7: "state",
           -8: "thread", -9: "no memory", -10: "input or output", -11: "format", -12: "cancelled", -13: "time limit",
           -14: "diverged", -15: "graphics", -16: "exception", -17: "internal"}

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optiona
 
 from . import _library as _l
 from ._library import Error, check, lib
+from ._pictures import Pictures
 
 if TYPE_CHECKING:
     import numpy
@@ -207,10 +208,14 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
         raise
     finally:
         bar.finish()
-    return Simulation(handle.value, os.fspath(path) if path is not None else "text")
+    simulation = Simulation(handle.value, os.fspath(path) if path is not None else "text")
+    simulation._program_options = [*(["--no-plugins"] if not search_plugins else []),
+                                   *("--plugin=" + os.path.abspath(one) for one in files),
+                                   *("--plugin-path=" + os.path.abspath(one) for one in folders)]
+    return simulation
 
 
-class Simulation:
+class Simulation(Pictures):
     """One simulation; made by c3de.open(). A context manager: closed at its end.
 
     sim[path] reads a parameter and sim[path] = value sets it, by the paths of `c3de run --set`; a number has the SI
