@@ -97,7 +97,7 @@ void addExports(CLI::App &app, CommandLine &line, RunArguments &arguments) {
             "up; 90: from +x), elevation; default: 34,20",
             [](const std::string &text) { return parseCameraAngles(text); })
       ->type_name("AZIMUTH,ELEVATION");
-  app.add_option("--up", arguments.up, "The axis that points upwards in the 3D view; default: z with an image, else y")
+  app.add_option("--up", arguments.up, "The axis that points upwards in the 3D view; default: z beside slices, else y")
       ->check(CLI::IsMember({"y", "z"}))
       ->type_name("AXIS");
   app.add_option(

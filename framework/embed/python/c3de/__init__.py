@@ -11,11 +11,12 @@ of the program. Any thread may call; calls to the same simulation are serialised
 """
 
 from ._library import Error, version
-from ._pictures import Window
+from ._pictures import Window, program
+from ._resources import resource
 from ._scene import Scene
 from ._simulation import Body, Event, Hold, Parameter, PointSet, Simulation, Status, Surface, open
 from ._sweep import SweepRow, sweep
 
 __version__ = version()
 __all__ = ["Body", "Error", "Event", "Hold", "Parameter", "PointSet", "Scene", "Simulation", "Status", "Surface",
-           "SweepRow", "Window", "open", "sweep", "version"]
+           "SweepRow", "Window", "open", "program", "resource", "sweep", "version"]

@@ -26,8 +26,12 @@ _DIVERGED = 5  # exit code; the picture is written before
 _SIDE = (16, 16384)  # of a picture, pixels
 
 
-def _program() -> str:
-    """The program c3de: C3DE_PROGRAM, else the one of the installation that this package belongs to, else of PATH."""
+def program() -> str:
+    """The path of the program c3de, for its other commands: C3DE_PROGRAM, else the one of the installation that this
+    package belongs to, else the one of PATH.
+
+    Raises Error of kind "unsupported": there is none.
+    """
     given = os.environ.get("C3DE_PROGRAM")
     # PREFIX/lib/python3/dist-packages/c3de/_pictures.py
     beside = pathlib.Path(__file__).resolve().parents[4] / "bin" / ("c3de.exe" if os.name == "nt" else "c3de")
@@ -142,7 +146,7 @@ class Pictures:
         view: "3d", "axial", "sagittal", "coronal" or "four-up"; default: four-up where the scene has an image, else 3d.
         camera: (azimuth, elevation), degrees, -360 to 360 and -90 to 90: where the 3D view is seen from. Azimuth 0 is
         +z, or -y where z is up; 90 is +x.
-        up: "y" or "z", the axis that points upwards; default: z where the scene has an image, else y.
+        up: "y" or "z", the axis that points upwards; default: z beside slices, else y.
         colour: of the bodies: "material", "displacement" (mm), "von_mises" (kPa), "contact_pressure" (kPa), "error"
         (%), "stabilisation" (%), "verified" (mm); default: as the scene states.
         colour_range: value of the last colour, > 0, in the unit of the legend; default: chosen automatically.
@@ -197,7 +201,7 @@ class Pictures:
 
     def _draw(self, folder: str, file: pathlib.Path, options: Sequence[str]) -> None:
         session = os.path.join(folder, "state.c3de")
-        command = [_program(), "run", session, "--steps", "0", "-q", "--trust-plugins", "--screenshot", str(file),
+        command = [program(), "run", session, "--steps", "0", "-q", "--trust-plugins", "--screenshot", str(file),
                    *options, *self._program_options]
         self.save_session(session)
         before = file.stat().st_mtime_ns if file.exists() else None
@@ -226,12 +230,12 @@ class Pictures:
         if sys.platform not in ("win32", "darwin") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY"))):
             raise Error("there is no display for a window: DISPLAY and WAYLAND_DISPLAY are empty; picture() needs none",
                         _l.E_GRAPHICS)
-        program = _program()
+        executable = program()
         folder = tempfile.mkdtemp(prefix="c3de-")
         try:
             session = os.path.join(folder, "simulation.c3de")
             self.save_session(session)
-            window = Window([program, session, "--untitled", *(["--play"] if play else []), *self._program_options,
+            window = Window([executable, session, "--untitled", *(["--play"] if play else []), *self._program_options,
                              *arguments], folder)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)

@@ -15,7 +15,7 @@ enum class PictureView { space, axial, sagittal, coronal, four };
 struct PictureCamera {
   std::optional<double> azimuth_deg;    ///< about the up axis; 0: from +z (y up) or -y (z up); 90: from +x
   std::optional<double> elevation_deg;  ///< above the plane to which the up axis is perpendicular, -90 ... 90
-  std::optional<bool> isZUp;            ///< the up axis is z, otherwise y; default: z where there is an image
+  std::optional<bool> isZUp;            ///< the up axis is z, otherwise y; default: z beside slices
 };
 
 /// The colour overlay on slices that `--overlay` selects.
