@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulations of C3DE in Python. Units are SI: m, kg, s, N, Pa.
+"""Simulations of C3DE in Python. Units are SI: m, kg, s, N, Pa. For example::
 
     import c3de
     with c3de.open("liver.toml", **{"body.liver.youngs_modulus": 6e3}) as sim:

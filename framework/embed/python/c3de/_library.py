@@ -26,13 +26,13 @@ class Error(Exception):
     """What failed, with the text of the program. `status`: the c3de_status code; `kind`: its name as text. `steps`: of
     Simulation.step(), those made before the failure."""
 
-    def __init__(self, text: str, status: int = -17, steps: int = 0):
+    def __init__(self, text: str, status: int = -17, steps: int = 0) -> None:
         super().__init__(text)
         self.status = status
         self.steps = steps
         self.kind = _NAMES.get(status, "unknown")
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         return (Error, (self.args[0], self.status, self.steps))
 
 
@@ -182,12 +182,12 @@ def plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def texts(values: List[str]):
+def texts(values: List[str]) -> Any:
     """An array of char* for a list; None for an empty one."""
     return (c.c_char_p * len(values))(*[v.encode() for v in values]) if values else None
 
 
-def numpy_module():
+def numpy_module() -> Any:
     """numpy, or an Error that says how to get it."""
     try:
         import numpy

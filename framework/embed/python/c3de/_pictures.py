@@ -142,16 +142,18 @@ class Pictures:
         """The present state as the window would show it: (height, width, 3), u8, RGB, the first row on top. Needs
         OpenGL, for which a software renderer is sufficient, and no display. The same state has the same picture.
 
-        size: (width, height), 16 to 16384 pixels each.
-        view: "3d", "axial", "sagittal", "coronal" or "four-up"; default: four-up where the scene has an image, else 3d.
-        camera: (azimuth, elevation), degrees, -360 to 360 and -90 to 90: where the 3D view is seen from. Azimuth 0 is
-        +z, or -y where z is up; 90 is +x.
-        up: "y" or "z", the axis that points upwards; default: z beside slices, else y.
-        colour: of the bodies: "material", "displacement" (mm), "von_mises" (kPa), "contact_pressure" (kPa), "error"
-        (%), "stabilisation" (%), "verified" (mm); default: as the scene states.
-        colour_range: value of the last colour, > 0, in the unit of the legend; default: chosen automatically.
-        surface: "opaque", "transparent" or "hidden"; default: as the scene states.
-        overlay: what slices show in colours: "none", "displacement", "volume_change" or a field of the points.
+        - size: (width, height), 16 to 16384 pixels each.
+        - view: "3d", "axial", "sagittal", "coronal" or "four-up"; default: four-up where the scene has an image, else
+          3d.
+        - camera: (azimuth, elevation), degrees, -360 to 360 and -90 to 90: where the 3D view is seen from. Azimuth 0 is
+          +z, or -y where z is up; 90 is +x. Default: (34, 20).
+        - up: "y" or "z", the axis that points upwards; default: z beside slices, else y.
+        - colour: of the bodies: "material", "displacement" (mm), "von_mises" (kPa), "contact_pressure" (kPa), "error"
+          (%), "stabilisation" (%), "verified" (mm); default: as the scene states.
+        - colour_range: value of the last colour, > 0, in the unit of the legend; default: chosen automatically.
+        - surface: "opaque", "transparent" or "hidden"; default: as the scene states.
+        - overlay: what slices show in colours: "none", "displacement", "volume_change" or a field of the points;
+          default: displacement.
 
         The program c3de draws it from a session that is saved to a temporary folder, so that bodies are built once
         more. It is found through C3DE_PROGRAM, beside this package, or in PATH. Ctrl-C cancels.
@@ -194,9 +196,9 @@ class Pictures:
         for name, value in ("--view", view), ("--up", up), ("--overlay", overlay):
             if value is not None:
                 options.append("%s=%s" % (name, value))
-        for name, value in ("colour", colour), ("range", colour_range), ("surface", surface):
-            if value is not None:
-                options += ["--set", "view.%s=%s" % (name, value)]
+        for key, setting in ("colour", colour), ("range", colour_range), ("surface", surface):
+            if setting is not None:
+                options += ["--set", "view.%s=%s" % (key, setting)]
         return options
 
     def _draw(self, folder: str, file: pathlib.Path, options: Sequence[str]) -> None:

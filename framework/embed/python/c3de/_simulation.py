@@ -612,12 +612,12 @@ class Hold:
     @property
     def force(self) -> Tuple[float, float, float]:
         """Force on the body in the last step, N."""
-        return tuple(self._state().force_N)
+        return tuple(self._state().force_N)  # type: ignore[return-value]
 
     @property
     def point(self) -> Tuple[float, float, float]:
         """Current position of the hold point `at`, m."""
-        return tuple(self._state().point_m)
+        return tuple(self._state().point_m)  # type: ignore[return-value]
 
     def release(self) -> None:
         """Ends it. May be called twice."""
