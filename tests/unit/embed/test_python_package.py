@@ -15,7 +15,7 @@ import time
 import unittest
 
 import c3de
-from c3de._simulation import _text as text_of
+from c3de._values import _text as text_of
 
 try:
     import numpy

@@ -10,9 +10,10 @@ Arrays need numpy (Debian package python3-numpy); everything else works without 
 of the program. Any thread may call; calls to the same simulation are serialised.
 """
 
+from ._bodies import Body, Hold, PointSet, Surface
 from ._library import Error, version
 from ._scene import Scene
-from ._simulation import Body, Event, Hold, Parameter, PointSet, Simulation, Status, Surface, open
+from ._simulation import Event, Parameter, Simulation, Status, open
 from ._sweep import SweepRow, sweep
 
 __version__ = version()

@@ -12,7 +12,7 @@ from typing import Any, Dict, Iterator, NamedTuple, Optional, Sequence
 
 from . import _library as _l
 from ._library import Error
-from ._simulation import Path, Value, _text
+from ._values import Path, Value, _text
 
 
 class SweepRow(NamedTuple):
