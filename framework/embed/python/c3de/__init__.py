@@ -11,11 +11,14 @@ of the program. Any thread may call; calls to the same simulation are serialised
 """
 
 from ._bodies import Body, Hold, PointSet, Surface
+from ._conditions import Condition
+from ._images import Label, WarpedImage
 from ._library import Error, version
+from ._recording import Recording, Replayed, replay
 from ._scene import Scene
 from ._simulation import Event, Parameter, Simulation, Status, open
 from ._sweep import SweepRow, sweep
 
 __version__ = version()
-__all__ = ["Body", "Error", "Event", "Hold", "Parameter", "PointSet", "Scene", "Simulation", "Status", "Surface",
-           "SweepRow", "open", "sweep", "version"]
+__all__ = ["Body", "Condition", "Error", "Event", "Hold", "Label", "Parameter", "PointSet", "Recording", "Replayed",
+           "Scene", "Simulation", "Status", "Surface", "SweepRow", "WarpedImage", "open", "replay", "sweep", "version"]

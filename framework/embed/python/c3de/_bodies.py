@@ -2,9 +2,10 @@
 """Bodies, their points and surfaces, and what holds them."""
 
 import ctypes as c
-from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
 from . import _library as _l
+from ._conditions import Box, Condition, add as _add
 from ._library import check, lib
 from ._values import _copy, _vector
 
@@ -73,6 +74,39 @@ class Body:
         with self.simulation._lock:
             check(lib.c3de_embed_hold_body(self.simulation._handle, self._index, c.byref(options), c.byref(out)))
         return Hold(self.simulation, out.value)
+
+    def add_force(self, force: Sequence[float], *, box: Optional[Box] = None,
+                  vertices: Optional[Sequence[int]] = None, ramp: float = 0.0,
+                  name: Optional[str] = None) -> Condition:
+        """A force (N, total, magnitude up to 1e5) on a part of the surface, distributed by area. The part is the
+        surface inside `box`, two corners in m, or the triangles whose corners are all among `vertices`, indices of
+        surface.vertices. Both refer to the reference shape (field "reference_position"). ramp (simulated s, up to
+        3600): until it is reached; without effect on quasi-static solutions, whose load factor multiplies it.
+
+        Raises Error: kind "argument", no surface is there, or a value is refused; "state", the body cannot move;
+        "unsupported", the simulator sets none. Nothing has changed then.
+        """
+        return _add(self, _l.FORCE, vector=force, box=box, vertices=vertices, ramp=ramp, name=name)
+
+    def add_pressure(self, pressure: float, *, box: Optional[Box] = None, vertices: Optional[Sequence[int]] = None,
+                     ramp: float = 0.0, name: Optional[str] = None) -> Condition:
+        """A pressure (Pa, magnitude up to 1e7, positive into the body) along the present normal; the part as for
+        add_force()."""
+        return _add(self, _l.PRESSURE, pressure=pressure, box=box, vertices=vertices, ramp=ramp, name=name)
+
+    def add_support(self, *, box: Optional[Box] = None, vertices: Optional[Sequence[int]] = None,
+                    at_rest: bool = False, ramp: float = 0.0, name: Optional[str] = None) -> Condition:
+        """Holds a part of the surface where it is now; at_rest: returns it to its reference position during `ramp`.
+        The part and errors as for add_force()."""
+        return _add(self, _l.SUPPORT, box=box, vertices=vertices, ramp=ramp, name=name,
+                    flags=_l.AT_REST if at_rest else 0)
+
+    def add_displacement(self, displacement: Sequence[float], *, box: Optional[Box] = None,
+                         vertices: Optional[Sequence[int]] = None, ramp: float = 0.0,
+                         name: Optional[str] = None) -> Condition:
+        """Moves a part of the surface by `displacement` (m, magnitude up to 1) from where it is now, at constant
+        velocity during `ramp`; the part and errors as for add_force()."""
+        return _add(self, _l.DISPLACEMENT, vector=displacement, box=box, vertices=vertices, ramp=ramp, name=name)
 
     def __repr__(self) -> str:
         info = self._info()

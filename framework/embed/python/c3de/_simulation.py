@@ -12,7 +12,9 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 from . import _library as _l
 from ._bodies import Body
 from ._calls import POLL_S, _Bar, _InterruptibleCall
+from ._images import WarpedImage, warp
 from ._library import Error, check, lib
+from ._recording import Recording, Replayed, repeat, replay_options
 from ._values import Path, Value, _file, _text
 
 _SHORT_S = 0.02  # calls that are expected to be shorter run on the calling thread
@@ -49,7 +51,8 @@ class Event(NamedTuple):
 def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: Union[bool, Callable] = False,
          threads: int = 0, plugins: Sequence[Path] = (), plugin_folders: Sequence[Path] = (),
          search_plugins: bool = True, **values: Value) -> "Simulation":
-    """Builds the simulation of a scene (.toml), a session (.c3de) or a mesh.
+    """Builds the simulation of a scene (.toml), a session (.c3de), a mesh or a recording (.c3dr), which begins with its
+    first state: replay() repeats it.
 
     text: a scene as TOML that is read instead of the file; relative paths are those of the folder of `path`, or of the
     current folder. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on
@@ -209,23 +212,7 @@ class Simulation:
 
         Raises Error: as step(); kind "diverged" also where bodies have stopped early; kind "cancelled".
         """
-        if until is not None and not until > 0.0:
-            raise Error("until is %s s; accepted: > 0" % until, _l.E_ARG)
-        if steps is not None and steps <= 0:
-            raise Error("steps is %d; accepted: > 0" % steps, _l.E_ARG)
-        bar = _Bar(progress)
-        raised: List[BaseException] = []
-
-        def stepped(_self: Any, status: Any, fraction: float) -> int:
-            try:
-                return int(bar(fraction, "%g s, step %d" % (status.contents.time_s, status.contents.steps)))
-            except BaseException as error:  # of a function of the caller
-                raised.append(error)
-                return 1
-
-        options = _l.RunOptions(max_steps=steps or 0, until_s=until or 0.0, stepped_every_s=POLL_S)
-        if progress:
-            options.stepped = _l.STEPPED(stepped)
+        options, bar, raised = replay_options(until, steps, progress)
 
         def call() -> None:
             try:
@@ -285,6 +272,50 @@ class Simulation:
                 found.append(Parameter(*(text.decode() for text in (out.path, out.unit, out.label, out.meaning,
                                                                      out.accepted))))
         return found
+
+    # The deformed scan
+
+    def warped_image(self, *, progress: Union[bool, Callable[[float, str], Any]] = False) -> WarpedImage:
+        """The image of the scene, deformed with the bodies as they are now: the voxels that `c3de run --export-image`
+        writes. progress as for run(). Ctrl-C cancels.
+
+        Raises Error of kind "argument": the scene has no image.
+        """
+        return warp(self, _l.IMAGE, progress)
+
+    def warped_labels(self, *, progress: Union[bool, Callable[[float, str], Any]] = False) -> WarpedImage:
+        """Its label map, likewise, on the grid of the image: the nearest label, as `c3de run --export-labels`.
+
+        Raises Error of kind "argument": the scene has no image, or no label map.
+        """
+        return warp(self, _l.LABELS, progress)
+
+    # Recordings
+
+    def record(self, file: Path, *, hash_every: int = 100) -> Recording:
+        """Records from now on into a file (.c3dr), until Recording.end() or close(): the present state and every
+        change, step, reset and loaded state, with a state hash every `hash_every` steps. Ctrl-C cancels the beginning.
+
+        Raises Error: kind "state", it is being recorded already; "input or output", the file cannot be written.
+        """
+        if hash_every < 1:
+            raise Error("hash_every is %d; accepted: >= 1" % hash_every, _l.E_ARG)
+
+        def call() -> None:
+            with self._lock:
+                check(lib.c3de_embed_record(self._handle, _file(file), hash_every))
+
+        _InterruptibleCall(call, self.cancel).wait()
+        return Recording(self)
+
+    def replay(self, until: Optional[float] = None, *, steps: Optional[int] = None,
+               progress: Union[bool, Callable[[float, str], Any]] = False) -> Replayed:
+        """Continues the recording that c3de.open() has opened: to its end, to a simulated time (s), or for a number of
+        steps. Every recorded state hash is compared. progress as for run(). Ctrl-C cancels.
+
+        Raises Error: kind "diverged", a state hash differs, with its step; "state", it was opened from no recording.
+        """
+        return repeat(self, until, steps, progress)
 
     # Bodies
 
