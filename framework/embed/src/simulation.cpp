@@ -16,6 +16,7 @@
 #include "c3de/session/build_scene.h"
 #include "c3de/session/recorder.h"
 #include "c3de/session/saved_session.h"
+#include "c3de/session/simulation_state.h"
 #include "c3de/session/simulation_step.h"
 #include "running.h"
 #include "use.h"
@@ -192,6 +193,7 @@ Result<void> EmbeddedSimulation::makeOneStep(const char *owner) {
   stateChanged();
   if (*code < 0) {
     const std::string text = session_->plugins().takeError();
+    forgetFailedStep();
     return refuse(*code, session::stepFailure(before.steps, before.time_s, facts_.isLoadStepped, *code, text));
   }
   facts_.stepTimes.add(1e3 * step_s);
@@ -207,6 +209,17 @@ Failure EmbeddedSimulation::cancelled() const {
   return {C3DE_E_CANCELLED, facts_.isLoadStepped ? fmt::format("cancelled at load step {}", status_.steps)
                                                  : fmt::format("cancelled at {} s, after step {}",
                                                                formatNumber(status_.time_s), status_.steps)};
+}
+
+// What a solver remembers of a step that failed or was cancelled depends on how far that was. After the present state has
+// been loaded, later steps follow from it alone, also in a replay.
+void EmbeddedSimulation::forgetFailedStep() {
+  const auto bytes = session::stateBytes(*session_, simulator_->get(), identity_);
+  if (bytes && session::goToState(*session_, simulator_->get(), identity_, *bytes, "the present state")) {
+    if (recorder_) recorder_->addState(status_.steps, *bytes);
+    return;
+  }
+  (void)session_->plugins().takeError();
 }
 
 Result<void> EmbeddedSimulation::run(const Run &run, std::uint64_t &made) {

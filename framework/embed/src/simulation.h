@@ -138,6 +138,7 @@ class EmbeddedSimulation {
   /// @param repeats  the events of the recording are applied between the steps
   [[nodiscard]] Result<void> makeSteps(const Run &run, std::uint64_t &made, bool repeats);
   [[nodiscard]] Result<void> makeOneStep(const char *owner);
+  void forgetFailedStep();
   [[nodiscard]] Result<void> repeatDue();
   [[nodiscard]] Result<void> finishRecording();
   [[nodiscard]] Failure cancelled() const;

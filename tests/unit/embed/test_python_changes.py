@@ -72,6 +72,16 @@ class Conditions(unittest.TestCase):
                 for a, b in zip(of_scene, own):
                     self.assertAlmostEqual(a, b, delta=0.01 * largest)
 
+    def test_a_force_of_an_implicit_simulation_has_the_state_hash_of_the_scene_that_states_it(self):
+        hashes = []
+        for load, add in ({"force": [0, 0, -4.0]}, False), ({}, True):
+            with block("implicit", **load).open(threads=1) as sim:
+                if add:
+                    sim.body("block").add_force([0, 0, -4.0], box=RIGHT_BOX)
+                sim.step(20)
+                hashes.append(sim.state_hash)
+        self.assertEqual(hashes[0], hashes[1])
+
     def test_vertices_and_a_box_around_them_are_the_same_part(self):
         hashes = []
         for part in {"box": RIGHT_BOX}, {"vertices": [4, 5, 6, 7]}:
@@ -295,6 +305,28 @@ class Recordings(unittest.TestCase):
         with self.assertRaises(c3de.Error) as caught:
             c3de.replay(self.folder / "no.c3dr")
         self.assertEqual(caught.exception.kind, "format")
+
+    def test_cancelled_steps_of_an_implicit_solver_are_not_in_a_recording(self):
+        """How far a cancelled step was depends on the time; what follows must not."""
+        file = self.folder / "g.c3dr"
+        cancelled = 0
+        with c3de.open(CANTILEVER, threads=1, **{"solver.integrator": "implicit"}) as sim:
+            with sim.record(file, hash_every=1):
+                for i in range(400):
+                    timer = threading.Timer(0.0005 * (i % 9), sim.cancel)
+                    timer.start()
+                    try:
+                        sim.step()
+                    except c3de.Error as error:
+                        self.assertEqual(error.kind, "cancelled")
+                        cancelled += 1
+                    timer.join()
+                    if cancelled >= 3 and sim.steps >= 10:
+                        break
+            end = sim.state_hash
+        self.assertGreaterEqual(cancelled, 3)
+        with c3de.replay(file, threads=1) as again:
+            self.assertEqual(again.state_hash, end)
 
     def test_another_thread_cancels_a_replay(self):
         file = self.folder / "f.c3dr"
