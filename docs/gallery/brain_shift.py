@@ -3,7 +3,6 @@
 of the Debian package mricron-data. Usage: python3 brain_shift.py [FOLDER FOR THE PICTURE]"""
 
 import pathlib
-import subprocess
 import sys
 
 import matplotlib
@@ -22,15 +21,12 @@ with c3de.open(c3de.resource("scenes/brain_shift.toml"), progress=True) as sim:
     sim.run(until=3.0, progress=True)
     u = 1e3 * np.linalg.norm(sim.body("brain").points.field("displacement"), axis=1)
     print("displacement: mean %.1f mm, largest %.1f mm" % (u.mean(), u.max()))
-    sim.save_session(out / "brain_shift.c3de")
-
-subprocess.run([c3de.program(), "run", str(out / "brain_shift.c3de"), "--steps", "0", "-q", "--export-image",
-                str(out / "brain_shift.nii.gz")], check=True)
-before, after = nibabel.load(SCAN), nibabel.load(out / "brain_shift.nii.gz")
+    after = sim.warped_image(progress=True).array
+before = nibabel.load(SCAN)
 
 # The sagittal slice in the middle of the head, front to the left.
 middle = int((np.linalg.inv(before.affine) @ [0, 0, 0, 1])[0].round())
-slices = [image.get_fdata()[middle].T[:, ::-1] for image in (before, after)]
+slices = [values[middle].T[:, ::-1] for values in (before.get_fdata(), after.astype(float))]
 figure, axes = plt.subplots(1, 3, figsize=(11, 3.2), layout="constrained")
 for ax, values, title in zip(axes, slices, ("scan", "after the shift")):
     ax.imshow(values, cmap="gray", origin="lower", vmin=0, vmax=slices[0].max())

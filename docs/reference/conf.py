@@ -28,5 +28,11 @@ def without_links_to_other_pages(_app, _name, source):
     source[0] = re.sub(r"\[([^\]]+)\]\((?:\.\./)+(?:tests|plugins|benchmarks)/[^)]*\.md[^)]*\)", r"\1", source[0])
 
 
+def is_skipped(_app, _what, _name, item, skip, _options):
+    """Fields of a NamedTuple: the text of the class describes them."""
+    return True if (getattr(item, "__doc__", "") or "").startswith("Alias for field") else skip
+
+
 def setup(app):
+    app.connect("autodoc-skip-member", is_skipped)
     app.connect("source-read", without_links_to_other_pages)

@@ -98,6 +98,8 @@ class Texts(unittest.TestCase):
     def test_every_public_item_has_a_text(self):
         for name, item in self.public():
             self.assertTrue(inspect.getdoc(item), name)
+            for field in getattr(item, "_fields", ()) if inspect.isclass(item) and issubclass(item, tuple) else ():
+                self.assertIn("- %s: " % field, item.__doc__)
         for name in "open", "run", "step", "picture", "field", "hold":
             item = getattr(c3de, name, None) or getattr(c3de.Simulation, name, None) or getattr(c3de.PointSet, name, None) \
                 or getattr(c3de.Body, name)

@@ -136,10 +136,7 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
 Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
                                  BodySources &sources, const Prepared &prepared, const c3de_simulator_v1 *table,
                                  c3de_object *simulator, WrittenOutputs &outputs) {
-  imaging::ReadOptions chosen;
-  chosen.series = scene.image->series;
-  chosen.time = scene.image->time;
-  const auto image = sources.volume(scene.image->file, chosen);
+  const auto image = imageOfScene(scene, sources);
   if (!image) return tl::unexpected(image.error());
   const auto how = imageWarpOf(scene, sources, session.materials(), prepared.tissues);
   if (!how) return tl::unexpected(how.error());

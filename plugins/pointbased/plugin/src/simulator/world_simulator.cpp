@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "c3de/sdk/conditions.hpp"
 #include "c3de/sdk/structs.hpp"
 #include "simulator/point_sets.h"
 
@@ -78,6 +79,9 @@ constexpr c3de_attachment_v1 kAttachmentSlots{sizeof(c3de_attachment_v1), 1,
 constexpr c3de_grasp_v1 kGraspSlots{sizeof(c3de_grasp_v1), 1, slot<&Parts::grasps, &Grasps::add>};
 constexpr c3de_changes_v1 kChangesSlots{sizeof(c3de_changes_v1), 1, slot<&Parts::changes, &Changes::observe>,
                                         slot<&Parts::changes, &Changes::apply>};
+constexpr c3de_conditions_v0 kConditionSlots{
+    sizeof(c3de_conditions_v0), 1, slot<&Parts::conditionCalls, &ConditionCalls::set>,
+    slot<&Parts::conditionCalls, &ConditionCalls::remove>, slot<&Parts::conditionCalls, &ConditionCalls::state>};
 
 }  // namespace
 
@@ -87,9 +91,10 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 6> WorldSimulator::interfaces() {
+std::array<sdk::Interface, 7> WorldSimulator::interfaces() {
   return {sdk::interfaceOf(kSimulatorSlots),  sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots)};
+          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots),
+          sdk::interfaceOf(kConditionSlots)};
 }
 
 void WorldSimulator::attach(c3de_handle node) {
