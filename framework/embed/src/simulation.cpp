@@ -211,8 +211,8 @@ Failure EmbeddedSimulation::cancelled() const {
                                                                formatNumber(status_.time_s), status_.steps)};
 }
 
-// What a solver remembers of a step that failed or was cancelled depends on how far that was. After the present state has
-// been loaded, later steps follow from it alone, also in a replay.
+// What a solver remembers of a step that failed or was cancelled depends on how far that was. After the present state
+// has been loaded, later steps follow from it alone, also in a replay.
 void EmbeddedSimulation::forgetFailedStep() {
   const auto bytes = session::stateBytes(*session_, simulator_->get(), identity_);
   if (bytes && session::goToState(*session_, simulator_->get(), identity_, *bytes, "the present state")) {

@@ -81,8 +81,11 @@ Expected<LiveParameters> LiveParameters::create(Session &session, c3de_object *s
 const std::vector<std::pair<std::string, c3de_handle>> &LiveParameters::bodies() const {
   c3de_handle handle{};
   std::size_t count = 0;
+  const auto status = simulatorStatus(table_, simulator_);
+  const std::uint64_t all = status ? status->bodies : 0;
   // A handle keeps its name, and stating the mass of a body costs more than the call.
-  for (std::uint64_t i = 0; table_->body_at(simulator_, i, &handle) >= 0; ++i) {
+  for (std::uint64_t i = 0; i < all; ++i) {
+    if (table_->body_at(simulator_, i, &handle) < 0) break;
     if (count < bodies_.size() && bodies_[count].second.v == handle.v) {
       ++count;
       continue;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Optional interface of a simulator, beside iface.simulator: supports and loads on a part of the surface of a body, set
- * while it is simulated. They persist over a reset. Where the simulator has iface.changes, they are changes. SI units. */
+ * while it is simulated. They persist over a reset. With iface.changes they are changes of the simulator. SI units. */
 #ifndef C3DE_ABI_IFACE_CONDITIONS_H
 #define C3DE_ABI_IFACE_CONDITIONS_H
 
@@ -42,8 +42,8 @@ typedef struct c3de_conditions_v0 {
   uint32_t size;
   uint32_t rev;
   /* number: 0, which becomes that of a new condition, or that of an earlier one, which is replaced: from an equal part
-   * and kind the value changes continuously during the ramp. C3DE_E_STALE: the body is not there; C3DE_E_ARG: a value is
-   * refused, or the part is not on the surface; C3DE_E_STATE: the body cannot move. Nothing has changed then. [sim] */
+   * and kind the value changes continuously during the ramp. C3DE_E_STALE: the body is not there; C3DE_E_ARG: a value
+   * is refused, or the part is not on the surface; C3DE_E_STATE: the body cannot move. Nothing changes then. [sim] */
   c3de_status(C3DE_CALL *set)(c3de_object *self, const c3de_sim_condition *condition, uint64_t *number);
   c3de_status(C3DE_CALL *remove)(c3de_object *self, uint64_t number); /* C3DE_E_STALE: there is none [sim] */
   /* warning: why it has no effect, for people; nothing is put where it has one. C3DE_E_STALE: there is none. [sim] */
