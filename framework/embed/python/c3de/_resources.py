@@ -14,8 +14,8 @@ def resource(name: str) -> pathlib.Path:
     Raises Error of kind "not found": where it was looked for.
     """
     prefix = pathlib.Path(__file__).resolve().parents[4]  # PREFIX/lib/python3/dist-packages/c3de/_resources.py
-    places = [prefix / "share" / "c3de" / name, prefix.parent.parent / "resources" / name]  # the second: a build folder
-    for place in places:
-        if place.exists():
-            return place
-    raise Error("the resource %r is missing; looked for: %s" % (name, ", ".join(map(str, places))), _l.E_NOT_FOUND)
+    candidates = [prefix / "share" / "c3de" / name, prefix.parent.parent / "resources" / name]  # the second: a build folder
+    for candidate in candidates:
+        if candidate.exists():
+            return candidate
+    raise Error("the resource %r is missing; looked for: %s" % (name, ", ".join(map(str, candidates))), _l.E_NOT_FOUND)
