@@ -3,6 +3,7 @@
 #            documentation, and the licences of all that is linked
 #   embed    libc3de with c3de/embed.h, the target c3de::embed, c3de-embed.pc, and the Python package; needs runtime
 #   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
+#   reference  the documentation as a site, with the Python package and the C headers (Reference.cmake)
 #   pointbased  the point-based core to link into programs of others: static library and headers; needs sdk for the package
 # ./run builds all that these components install (C3DE_PRODUCTS).
 include(CMakePackageConfigHelpers)

@@ -3,6 +3,8 @@
 # Every struct of the plugin boundary, member by member: place, size and declaration, as they were published.
 #   tools/abi-golden.sh                    compares with tests/conformance/abi_golden.txt; 1: a published member has changed
 #   tools/abi-golden.sh --update           writes it anew; a frozen struct may only have grown at its end
+#   tools/abi-golden.sh --embed            the same for c3de/embed.h with tests/unit/embed/embed_golden.txt: functions and
+#                                          types as well
 #   tools/abi-golden.sh --headers FOLDER … looks at the headers of FOLDER (repeatable) instead
 # A struct is frozen unless its header lies in a folder `draft` or gives an id that begins with draft/. Drafts are compared,
 # too: what changes there is seen, and needs a new id.
@@ -10,15 +12,18 @@ set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 golden=$root/tests/conformance/abi_golden.txt
 update=0
+embed=0
 folders=()
 while [ $# -gt 0 ]; do
   case $1 in
     --update) update=1 ;;
+    --embed) embed=1; golden=$root/tests/unit/embed/embed_golden.txt ;;
     --headers) folders+=("$(cd "$2" && pwd)"); shift ;;
-    *) echo "abi-golden: unknown option $1; accepted: --update, --headers FOLDER" >&2; exit 2 ;;
+    *) echo "abi-golden: unknown option $1; accepted: --update, --embed, --headers FOLDER" >&2; exit 2 ;;
   esac
   shift
 done
+[ ${#folders[@]} -gt 0 ] || [ $embed = 0 ] || folders=("$root/framework/embed/include")
 [ ${#folders[@]} -gt 0 ] || folders=("$root/framework/abi/include" "$root/plugins/pointbased/abi/include")
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
@@ -26,6 +31,7 @@ trap 'rm -rf "$place"' EXIT
 : >"$place/members"
 : >"$place/includes"
 flags=()
+[ $embed = 0 ] || flags=(-I "$root/framework/abi/include")
 for folder in "${folders[@]}"; do
   flags+=(-I "$folder")
   while IFS= read -r header; do
@@ -59,6 +65,23 @@ for folder in "${folders[@]}"; do
           print state "|" name "|" member "|" (i == 1 ? parts[1] : type parts[i])
         }
       }' >>"$place/members"
+    [ $embed = 1 ] || continue
+    # Functions and types without members, as declared.
+    cc -w -fpreprocessed -E -P "$folder/$header" | sed 's/^ *#.*//' | awk -v state="$state" '
+      BEGIN { RS = ";" }
+      { gsub(/[ \t\n]+/, " "); sub(/^ /, ""); sub(/ $/, "") }
+      /\{/ { inside = 1 }
+      inside { if ($0 ~ /^\} /) inside = 0; next }
+      match($0, /C3DE_EMBED_API .*/) {
+        text = substr($0, RSTART + 15); match(text, /c3de_embed_[a-z_0-9]+\(/)
+        print state " " substr(text, RSTART, RLENGTH) "). 0 0 " text; next
+      }
+      match($0, /typedef .*/) {
+        text = substr($0, RSTART); name = text
+        if (match(text, /\(C3DE_CALL ?\* ?[a-z_0-9]+\)/)) { name = substr(text, RSTART, RLENGTH); gsub(/[()* ]|C3DE_CALL/, "", name) }
+        else sub(/^.* /, "", name)
+        print state " " name ". 0 0 " text
+      }' >>"$place/constants"
   done < <(cd "$folder" && find . -name '*.h' | sed 's|^\./||' | LC_ALL=C sort)
 done
 {
@@ -83,10 +106,10 @@ cc -std=c11 "${flags[@]}" "$place/golden.c" -o "$place/golden"
 LC_ALL=C sort -t' ' -k2,2V "$place/unsorted" | awk '{ split($2, p, "."); print p[1], (p[2] == "" ? -1 : $3), $0 }' |
   LC_ALL=C sort -k1,1 -k2,2n -s | cut -d' ' -f3- >"$place/now"
 # What differs between systems is no value.
-grep -v ' C3DE_\(CALL\|EXPORT\|EXPORT_ATTR\|EXTERN_C\|ABI_[A-Z_]*_H\|POINTBASED_[A-Z_]*_H\)\. ' "$place/constants" |
+grep -v ' C3DE_\(EMBED_REV\|EMBED_API\|EMBED_H\|CALL\|EXPORT\|EXPORT_ATTR\|EXTERN_C\|ABI_[A-Z_]*_H\|POINTBASED_[A-Z_]*_H\)\. ' "$place/constants" |
   LC_ALL=C sort -u -k2,2 >>"$place/now"
 structs=$(awk '$2 !~ /\./' "$place/now" | wc -l)
-[ "$structs" -ge 20 ] || [ "${#flags[@]}" -lt 4 ] || { echo "abi-golden: only $structs structs; the headers are not written as this script reads them" >&2; exit 2; }
+[ "$structs" -ge 20 ] || [ $embed = 1 ] || [ "${#flags[@]}" -lt 4 ] || { echo "abi-golden: only $structs structs; the headers are not written as this script reads them" >&2; exit 2; }
 
 # What was published of frozen structs has to be there, in its place; and nothing before it.
 awk -v golden="$golden" '

@@ -184,6 +184,35 @@ TEST_CASE("A screenshot of the end state has the size that was asked for", "[gpu
   CHECK(bigEndian(20) == 200);
 }
 
+TEST_CASE("The 3D view of a screenshot is seen from the direction that was asked for", "[gpu]") {
+  const auto folder = freshFolder("camera");
+  const auto scene = writeBoxScene(folder);
+  const auto run = [&](const std::string &name, std::vector<std::string> options) {
+    std::vector<std::string> all{"run",          scene.string(),           "--steps", "1",    "-q",
+                                 "--screenshot", (folder / name).string(), "--size",  "64x48"};
+    all.insert(all.end(), options.begin(), options.end());
+    return runWithoutDisplay(all);
+  };
+  const auto first = run("first.ppm", {});
+  if (first.exitCode == 6) C3DE_SKIP("no OpenGL here: " + first.errorOutput);
+  const auto draw = [&](const std::string &name, std::vector<std::string> options) {
+    const auto result = run(name, std::move(options));
+    INFO(result.errorOutput);
+    REQUIRE(result.exitCode == 0);
+    return readFile(folder / name);
+  };
+  const std::string header = "P6\n64 48\n255\n", usual = draw("usual.ppm", {});
+  CHECK(bool(usual.substr(0, header.size()) == header));
+  CHECK(usual.size() == header.size() + std::size_t{3} * 64 * 48);
+  const std::string side = draw("side.PPM", {"--camera", "90,0"});
+  // As bool: on a failure the bytes would fill the output.
+  CHECK(bool(side != usual));
+  CHECK(bool(draw("again.ppm", {"--camera=+90.0,0", "--up", "y"}) == side));
+  CHECK(bool(draw("up.ppm", {"--camera", "90,0", "--up", "z"}) != side));
+  CHECK(bool(draw("other.ppm", {"--camera=-90,0"}) != side));
+  CHECK(draw("png.png", {}).substr(1, 3) == "PNG");
+}
+
 #if !defined(_WIN32)
 TEST_CASE("Ctrl-C ends a run with 130 and still leaves the report") {
   const auto folder = freshFolder("interrupt");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "c3de/abi/first_sizes.h"
+#include "c3de/abi/iface/conditions.h"
 #include "c3de/core/first_size.h"
 #include "c3de/scene/simulation.h"
 #include "host_fixture.h"
@@ -339,6 +340,11 @@ TEST_CASE("the point-based simulator refuses structs below their first size, whe
   auto change = sized<c3de_sim_change>();
   change.id = {"world.clear", 11};
   sizes.refuse(change, [&] { return changes->apply(self, &change); });
+  const auto *conditions = static_cast<const c3de_conditions_v0 *>(tableOf(C3DE_IFACE_CONDITIONS_ID));
+  auto condition = sized<c3de_sim_condition>();
+  condition.size = 104;  // without the ramp
+  std::uint64_t number = 0;
+  CHECK(conditions->set(self, &condition, &number) == C3DE_E_ARG);
 
   for (const std::string &name : allStructs()) {
     if (!name.starts_with("c3de_sim_") || kOfCallbacks.contains(name) || name == "c3de_sim_transport") continue;
@@ -355,7 +361,7 @@ TEST_CASE("every struct that is handed over with its size has a first size") {
   int found = 0;
   for (std::string line; std::getline(golden, line);) {
     const auto dot = line.find(".size 0 4 uint32_t size");
-    if (dot == std::string::npos) continue;
+    if (dot == std::string::npos || line.starts_with("draft ")) continue;  // what may change has no first size yet
     const std::string name = line.substr(line.find(' ') + 1, dot - line.find(' ') - 1);
     ++found;
     INFO(name << " is missing in first_sizes.h");

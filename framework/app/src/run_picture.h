@@ -24,6 +24,7 @@ namespace c3de::app {
 /// What is drawn in addition to the bodies.
 struct PictureSources {
   PictureView view = PictureView::space;
+  PictureCamera camera;
   std::shared_ptr<scene::StoredImage> image;    ///< null if there is none; then only the 3D view can be drawn
   std::shared_ptr<scene::StoredLabels> labels;  ///< null if there are none
   ImageWarp how;

@@ -4,137 +4,82 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <stdexcept>
-#include <unordered_map>
 #include <utility>
 
 #include "c3de/core/assert.h"
 #include "c3de/core/embedding.h"
 #include "c3de/core/log.h"
-#include "c3de/core/path_text.h"
-#include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
-#include "simulation.h"
+#include "c3de/session/recording_file.h"
+#include "guarded_calls.h"
 
 namespace c3de::embed {
-namespace {
 
 std::string &lastError() {
   thread_local std::string text;
   return text;
 }
 
-/// All open simulations. Never destroyed: the process may end while threads run.
-struct Table {
-  std::mutex mutex;
-  std::unordered_map<c3de_sim, std::shared_ptr<EmbeddedSimulation>> open;
-  c3de_sim last = 0;
-};
-
-/// The first call makes this code embedded: the process belongs to its program.
-Table &table() {
-  static Table *const made = [] {
+OpenObjects &openObjects() {
+  static OpenObjects *const made = [] {
     setEmbedded();
     // Of a broken precondition the caller receives a status.
     setAssertHandler([](const char *condition, const char *text, const char *file, int line) {
       throw std::logic_error(fmt::format("{} ({}) at {}:{}", text, condition, file, line));
     });
-    return new Table;
+    return new OpenObjects;
   }();
   return *made;
 }
 
-c3de_status report(const Failure &failure) {
-  lastError() = failure.text;
-  return failure.code;
-}
-
-/// Runs a function that returns Result<void>; its failure becomes status and text.
-template <class F>
-c3de_status guarded(const F &f) noexcept {
-  try {
-    lastError().clear();
-    const Result<void> done = f();
-    return done ? C3DE_OK : report(done.error());
-  } catch (const std::bad_alloc &) {
-    lastError().clear();
-    return C3DE_E_NOMEM;
-  } catch (...) {
-    try {
-      lastError() = textOfException();
-    } catch (...) {  // no memory for the text
-    }
-    return C3DE_E_EXCEPTION;
-  }
-}
-
-Result<std::shared_ptr<EmbeddedSimulation>> find(c3de_sim sim) {
-  const std::lock_guard lock(table().mutex);
-  const auto found = table().open.find(sim);
-  if (found != table().open.end()) return found->second;
+Result<std::shared_ptr<EmbeddedSimulation>> findSimulation(c3de_sim sim) {
+  const std::lock_guard lock(openObjects().mutex);
+  const auto found = openObjects().simulations.find(sim);
+  if (found != openObjects().simulations.end()) return found->second;
   if (sim == 0) return refuse(C3DE_E_ARG, "the simulation is 0; accepted: one that c3de_embed_open() has opened");
   return refuse(C3DE_E_STALE, fmt::format("simulation {} is not open, or has been closed", sim));
 }
 
-Result<void> notNull(const void *argument, const char *name) {
-  if (argument != nullptr) return {};
-  return refuse(C3DE_E_ARG, fmt::format("{} is null", name));
+Result<std::shared_ptr<const WarpedImage>> findImage(c3de_image image) {
+  const std::lock_guard lock(openObjects().mutex);
+  const auto found = openObjects().images.find(image);
+  if (found != openObjects().images.end()) return found->second;
+  if (image == 0) return refuse(C3DE_E_ARG, "the image is 0; accepted: one that c3de_embed_warp() has made");
+  return refuse(C3DE_E_STALE, fmt::format("image {} is not open, or has been closed", image));
 }
 
-/// f(simulation, argument) for one that is open; writes the result to `out`.
-template <class T, class F>
-c3de_status callWithResult(c3de_sim sim, T *out, const char *name, const F &f) noexcept {
-  return guarded([&]() -> Result<void> {
-    if (auto good = notNull(out, name); !good) return good;
-    const auto found = find(sim);
-    if (!found) return tl::unexpected(found.error());
-    const auto result = f(**found);
-    if (!result) return tl::unexpected(result.error());
-    *out = *result;
-    return {};
-  });
+ProgressFn progressOf(c3de_embed_progress call, void *self) {
+  if (call == nullptr) return [](double, const std::string &) { return true; };
+  return [call, self](double fraction, const std::string &what) { return call(self, fraction, what.c_str()) == 0; };
 }
 
-/// Same for a struct with `size`: writes as much of it as the caller knows.
-template <class T, class F>
-c3de_status callWithStruct(c3de_sim sim, T *out, const F &f) noexcept {
-  return guarded([&]() -> Result<void> {
-    if (auto good = notNull(out, "out"); !good) return good;
-    const std::uint32_t size = out->size;
-    if (size < sizeof size || size > 4096)
-      return refuse(C3DE_E_ARG, fmt::format("out->size is {}; accepted: sizeof, {}", size, sizeof(T)));
-    const auto found = find(sim);
-    if (!found) return tl::unexpected(found.error());
-    auto result = f(**found);
-    if (!result) return tl::unexpected(result.error());
-    result->size = size;
-    std::memcpy(out, &*result, std::min<std::size_t>(size, sizeof(T)));
-    return {};
-  });
+Result<EmbeddedSimulation::Run> runOf(const c3de_embed_run_options *options) {
+  c3de_embed_run_options in{};
+  if (options != nullptr) {
+    const auto read = readStruct(options, "options");
+    if (!read) return tl::unexpected(read.error());
+    in = *read;
+  }
+  if (!std::isfinite(in.until_s) || in.until_s < 0.0)
+    return refuse(C3DE_E_ARG, fmt::format("until_s is {} s; accepted: finite, >= 0", in.until_s));
+  if (!std::isfinite(in.stepped_every_s) || in.stepped_every_s < 0.0)
+    return refuse(C3DE_E_ARG, fmt::format("stepped_every_s is {} s; accepted: finite, >= 0", in.stepped_every_s));
+  EmbeddedSimulation::Run run;
+  run.maxSteps = in.max_steps;
+  run.until_s = in.until_s;
+  run.every_s = in.stepped_every_s;
+  run.failsWithStoppedBodies = true;
+  if (in.stepped != nullptr)
+    run.stepped = [call = in.stepped, self = in.stepped_self](const c3de_embed_status &status, double fraction) {
+      return call(self, &status, fraction) == 0;
+    };
+  return run;
 }
 
-template <class F>
-c3de_status callWithoutResult(c3de_sim sim, const F &f) noexcept {
-  return guarded([&]() -> Result<void> {
-    const auto found = find(sim);
-    return found ? f(**found) : tl::unexpected(found.error());
-  });
-}
-
-/// Members that the caller does not know are 0.
-template <class T>
-Result<T> readStruct(const T *in, const char *name) {
-  T known{};
-  if (in == nullptr) return refuse(C3DE_E_ARG, fmt::format("{} is null", name));
-  if (in->size < sizeof in->size || in->size > 4096)
-    return refuse(C3DE_E_ARG, fmt::format("{}->size is {}; accepted: sizeof, {}", name, in->size, sizeof(T)));
-  std::memcpy(&known, in, std::min<std::size_t>(in->size, sizeof(T)));
-  return known;
-}
+namespace {
 
 Result<void> addTexts(const char *const *texts, std::uint64_t n, const char *name,
                       const std::function<void(const char *)> &add) {
@@ -166,6 +111,8 @@ Result<EmbeddedSimulation::Request> requestOf(const c3de_embed_options *options)
   run.session.searchPlugins = (in->flags & C3DE_EMBED_NO_PLUGIN_SEARCH) == 0;
   run.session.threads = in->threads;
   run.quiet = true;
+  run.isReplay = in->text == nullptr && session::isRecordingPath(run.scene);
+  run.checkHashes = run.isReplay;
   const auto addTo = [](std::vector<std::filesystem::path> &list) {
     return [&list](const char *text) { list.push_back(pathFromText(text)); };
   };
@@ -174,12 +121,7 @@ Result<EmbeddedSimulation::Request> requestOf(const c3de_embed_options *options)
   if (good)
     good = addTexts(in->plugin_folders, in->plugin_folders_n, "plugin_folders", addTo(run.session.pluginFolders));
   if (!good) return tl::unexpected(good.error());
-  if (in->progress != nullptr)
-    request.progress = [call = in->progress, self = in->progress_self](double fraction, const std::string &what) {
-      return call(self, fraction, what.c_str()) == 0;
-    };
-  else
-    request.progress = [](double, const std::string &) { return true; };
+  request.progress = progressOf(in->progress, in->progress_self);
   return request;
 }
 
@@ -196,7 +138,7 @@ const char *c3de_embed_last_error(void) { return lastError().c_str(); }
 
 void c3de_embed_set_log(void(C3DE_CALL *log)(void *self, int32_t level, const char *line), void *self) {
   (void)guarded([&]() -> Result<void> {
-    (void)table();
+    (void)openObjects();
     if (log == nullptr)
       setLogListener({});
     else
@@ -211,13 +153,13 @@ c3de_status c3de_embed_open(const c3de_embed_options *options, c3de_sim *out) {
   if (out != nullptr) *out = 0;
   return guarded([&]() -> Result<void> {
     if (auto good = notNull(out, "out"); !good) return good;
-    Table &all = table();
+    OpenObjects &all = openObjects();
     auto request = requestOf(options);
     if (!request) return tl::unexpected(request.error());
     auto made = Simulation::open(std::move(*request));
     if (!made) return tl::unexpected(made.error());
     const std::lock_guard lock(all.mutex);
-    all.open.emplace(++all.last, std::move(*made));
+    all.simulations.emplace(++all.last, std::move(*made));
     *out = all.last;
     return {};
   });
@@ -226,15 +168,12 @@ c3de_status c3de_embed_open(const c3de_embed_options *options, c3de_sim *out) {
 c3de_status c3de_embed_close(c3de_sim sim) {
   if (sim == 0) return C3DE_OK;
   return guarded([&]() -> Result<void> {
-    std::shared_ptr<Simulation> closing;
-    {
-      const auto found = find(sim);
-      if (!found) return tl::unexpected(found.error());
-      closing = *found;
-    }
+    const auto found = findSimulation(sim);
+    if (!found) return tl::unexpected(found.error());
+    const std::shared_ptr<Simulation> closing = *found;
     if (auto closed = closing->close(); !closed) return closed;
-    const std::lock_guard lock(table().mutex);
-    table().open.erase(sim);
+    const std::lock_guard lock(openObjects().mutex);
+    openObjects().simulations.erase(sim);
     return {};
   });
 }
@@ -277,27 +216,10 @@ c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *done) {
 
 c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options) {
   return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
-    c3de_embed_run_options in{};
-    if (options != nullptr) {
-      const auto read = readStruct(options, "options");
-      if (!read) return tl::unexpected(read.error());
-      in = *read;
-    }
-    if (!std::isfinite(in.until_s) || in.until_s < 0.0)
-      return refuse(C3DE_E_ARG, fmt::format("until_s is {} s; accepted: finite, >= 0", in.until_s));
-    if (!std::isfinite(in.stepped_every_s) || in.stepped_every_s < 0.0)
-      return refuse(C3DE_E_ARG, fmt::format("stepped_every_s is {} s; accepted: finite, >= 0", in.stepped_every_s));
-    Simulation::Run run;
-    run.maxSteps = in.max_steps;
-    run.until_s = in.until_s;
-    run.every_s = in.stepped_every_s;
-    run.failsWithStoppedBodies = true;
-    if (in.stepped != nullptr)
-      run.stepped = [call = in.stepped, self = in.stepped_self](const c3de_embed_status &status, double fraction) {
-        return call(self, &status, fraction) == 0;
-      };
+    const auto run = runOf(options);
+    if (!run) return tl::unexpected(run.error());
     std::uint64_t made = 0;
-    return of.run(run, made);
+    return of.run(*run, made);
   });
 }
 
@@ -352,26 +274,14 @@ c3de_status c3de_embed_report(c3de_sim sim, const char **json) {
   return callWithResult(sim, json, "json", [](Simulation &of) { return of.report(); });
 }
 
-namespace {
-
-template <class F>
-c3de_status withFile(c3de_sim sim, const char *file, const F &f) {
-  return callWithoutResult(sim, [&](Simulation &of) -> Result<void> {
-    if (auto good = notNull(file, "file"); !good) return good;
-    return f(of, pathFromText(file));
-  });
-}
-
-}  // namespace
-
 c3de_status c3de_embed_save_state(c3de_sim sim, const char *file) {
-  return withFile(sim, file, [](Simulation &of, const auto &path) { return of.saveState(path); });
+  return callWithFile(sim, file, [](Simulation &of, const auto &path) { return of.saveState(path); });
 }
 c3de_status c3de_embed_load_state(c3de_sim sim, const char *file) {
-  return withFile(sim, file, [](Simulation &of, const auto &path) { return of.loadState(path); });
+  return callWithFile(sim, file, [](Simulation &of, const auto &path) { return of.loadState(path); });
 }
 c3de_status c3de_embed_save_session(c3de_sim sim, const char *file) {
-  return withFile(sim, file, [](Simulation &of, const auto &path) { return of.saveSession(path); });
+  return callWithFile(sim, file, [](Simulation &of, const auto &path) { return of.saveSession(path); });
 }
 
 c3de_status c3de_embed_hold_body(c3de_sim sim, uint64_t body, const c3de_embed_hold *hold, uint64_t *out) {

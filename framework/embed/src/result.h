@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "c3de/abi/base.h"
+#include "c3de/core/error_status.h"
 #include "c3de/core/expected.h"
 
 namespace c3de::embed {
@@ -20,7 +21,6 @@ struct Failure {
 template <class T>
 using Result = tl::expected<T, Failure>;
 
-[[nodiscard]] c3de_status statusOf(ErrorCode code);
 [[nodiscard]] inline tl::unexpected<Failure> refuse(c3de_status code, std::string text) {
   return tl::unexpected(Failure{code, std::move(text)});
 }

@@ -14,8 +14,11 @@
 #include "c3de/core/text.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/build_scene.h"
+#include "c3de/session/recorder.h"
 #include "c3de/session/saved_session.h"
+#include "c3de/session/simulation_state.h"
 #include "c3de/session/simulation_step.h"
+#include "running.h"
 #include "use.h"
 
 namespace c3de::embed {
@@ -44,21 +47,6 @@ Expected<SharedScene> sceneToBuild(const session::SimulationSource &source, cons
 
 }  // namespace
 
-c3de_status statusOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::usage: return C3DE_E_ARG;
-    case ErrorCode::input: return C3DE_E_FORMAT;
-    case ErrorCode::plugin: return C3DE_E_UNSUPPORTED;
-    case ErrorCode::diverged: return C3DE_E_DIVERGED;
-    case ErrorCode::graphics: return C3DE_E_GPU;
-    case ErrorCode::output: return C3DE_E_IO;
-    case ErrorCode::cancelled: return C3DE_E_CANCELLED;
-    case ErrorCode::state: return C3DE_E_STATE;
-    case ErrorCode::internal: return C3DE_E_INTERNAL;
-  }
-  return C3DE_E_INTERNAL;
-}
-
 Result<std::shared_ptr<EmbeddedSimulation>> EmbeddedSimulation::open(Request request) {
   std::shared_ptr<EmbeddedSimulation> made(new EmbeddedSimulation());
   Result<void> built;
@@ -75,6 +63,7 @@ Result<std::shared_ptr<EmbeddedSimulation>> EmbeddedSimulation::open(Request req
 
 EmbeddedSimulation::~EmbeddedSimulation() {
   owner_.run([this] {
+    if (session_) (void)finishRecording();
     parameters_.reset();
     if (session_) session_->closeSimulation();
     simulator_.reset();
@@ -95,12 +84,17 @@ Result<void> EmbeddedSimulation::build(const Request &request) {
   beginning->source.front() = *scene;
   const auto chosen = session_->chooseSimulator((*scene)->simulatorClass);
   if (!chosen) return refuse(chosen.error());
-  return begin(request, *beginning, *chosen);
+  if (beginning->replay)
+    if (const auto same = beginning->replay->checkSimulator(*chosen); !same) return refuse(same.error());
+  auto begun = begin(request, *beginning, *chosen);
+  replay_ = std::move(beginning->replay);
+  return begun;
 }
 
 Result<void> EmbeddedSimulation::begin(const Request &request, const session::RunBeginning &beginning,
                                        const session::SimulatorIdentity &chosen) {
-  const scene::SceneFile &scene = *std::get<SharedScene>(beginning.source.front());
+  scene_ = std::get<SharedScene>(beginning.source.front());
+  const scene::SceneFile &scene = *scene_;
   identity_ = chosen;
   auto created = session_->createSimulator(chosen.classId);
   if (!created) return refuse(created.error());
@@ -114,6 +108,7 @@ Result<void> EmbeddedSimulation::begin(const Request &request, const session::Ru
     built = session::buildRemaining(*session_, simulator_->get(), beginning.source, request.progress, &facts_.prepared);
   if (!built) return refuse(built.error());
   session::lendImage(*session_, scene, sources);
+  if (scene.image) sources_ = std::move(sources);
   session_->keepInUse(beginning.files);
   if (beginning.saved)
     if (auto restored =
@@ -169,12 +164,12 @@ Result<c3de_embed_status> EmbeddedSimulation::status() {
   return out;
 }
 
-bool EmbeddedSimulation::isDone(const Run &run, std::uint64_t made) const {
-  if (status_.finished != 0) return true;
+bool EmbeddedSimulation::isDone(const Run &run, std::uint64_t made, bool repeats) const {
+  if (repeats ? replay_->isAtEnd() : status_.finished != 0) return true;
   if (run.maxSteps != 0 && made >= run.maxSteps) return true;
   if (facts_.isLoadStepped) return false;
   if (run.until_s > 0.0) return status_.time_s >= run.until_s - kTimeTolerance * status_.dt_s;
-  return run.maxSteps == 0 && status_.time_s >= session::kDefaultDuration_s - kTimeTolerance * status_.dt_s;
+  return !repeats && run.maxSteps == 0 && status_.time_s >= session::kDefaultDuration_s - kTimeTolerance * status_.dt_s;
 }
 
 double EmbeddedSimulation::fraction(const Run &run, std::uint64_t made) const {
@@ -198,6 +193,7 @@ Result<void> EmbeddedSimulation::makeOneStep(const char *owner) {
   stateChanged();
   if (*code < 0) {
     const std::string text = session_->plugins().takeError();
+    forgetFailedStep();
     return refuse(*code, session::stepFailure(before.steps, before.time_s, facts_.isLoadStepped, *code, text));
   }
   facts_.stepTimes.add(1e3 * step_s);
@@ -209,44 +205,57 @@ Result<void> EmbeddedSimulation::makeOneStep(const char *owner) {
   return {};
 }
 
+Failure EmbeddedSimulation::cancelled() const {
+  return {C3DE_E_CANCELLED, facts_.isLoadStepped ? fmt::format("cancelled at load step {}", status_.steps)
+                                                 : fmt::format("cancelled at {} s, after step {}",
+                                                               formatNumber(status_.time_s), status_.steps)};
+}
+
+// What a solver remembers of a step that failed or was cancelled depends on how far that was. After the present state
+// has been loaded, later steps follow from it alone, also in a replay.
+void EmbeddedSimulation::forgetFailedStep() {
+  const auto bytes = session::stateBytes(*session_, simulator_->get(), identity_);
+  if (bytes && session::goToState(*session_, simulator_->get(), identity_, *bytes, "the present state")) {
+    if (recorder_) recorder_->addState(status_.steps, *bytes);
+    return;
+  }
+  (void)session_->plugins().takeError();
+}
+
 Result<void> EmbeddedSimulation::run(const Run &run, std::uint64_t &made) {
   made = 0;
   const Use use(*this, Use::Access::write);
   if (use.isRefused()) return use.refusal();
-  // cancel() has an effect only while this object exists.
-  class Running {
-   public:
-    explicit Running(EmbeddedSimulation &of) : of_(of) {
-      const std::lock_guard lock(of.cancelMutex_);
-      of.isRunning_ = true;
-      of.isCancelled_ = false;
-    }
-    ~Running() {
-      const std::lock_guard lock(of_.cancelMutex_);
-      of_.isRunning_ = false;
-      if (of_.isCancelled_ && session::endsSteps(of_.table_)) (void)of_.table_->interrupt(of_.simulator_->get(), 0);
-    }
+  return makeSteps(run, made, false);
+}
 
-   private:
-    EmbeddedSimulation &of_;
-  } running(*this);
+Result<void> EmbeddedSimulation::makeSteps(const Run &run, std::uint64_t &made, bool repeats) {
+  const Running running(*this);
   const char *owner = session_->plugins().ownerOf(simulator_->get());
   Clock::time_point lastCall = Clock::now();
-  const auto cancelled = [this] {
-    return refuse(C3DE_E_CANCELLED, facts_.isLoadStepped ? fmt::format("cancelled at load step {}", status_.steps)
-                                                         : fmt::format("cancelled at {} s, after step {}",
-                                                                       formatNumber(status_.time_s), status_.steps));
-  };
-  while (!isDone(run, made)) {
-    if (isCancelled_ || isClosing_) return cancelled();
-    if (auto step = makeOneStep(owner); !step)
-      return step.error().code == C3DE_E_CANCELLED && isCancelled_ ? cancelled() : step;
+  for (;;) {
+    if (repeats)
+      if (auto repeated = repeatDue(); !repeated) return repeated;
+    if (isDone(run, made, repeats)) break;
+    if (running.isOver()) return tl::unexpected(cancelled());
+    const std::uint64_t before = status_.steps;
+    if (auto step = makeOneStep(owner); !step) {
+      if (step.error().code == C3DE_E_CANCELLED && running.isOver()) return tl::unexpected(cancelled());
+      return step;
+    }
     ++made;
+    if (repeats) {
+      if (status_.steps == before)
+        return refuse(C3DE_E_STATE, fmt::format("the simulation ends at step {}, and the recording has more at step {}",
+                                                before, replay_->nextStep()));
+      replay_->countStep();
+    }
     if (!run.stepped || secondsSince(lastCall) < run.every_s) continue;
     lastCall = Clock::now();
-    if (!run.stepped(*status(), fraction(run, made))) return cancelled();
+    if (!run.stepped(*status(), repeats ? replay_->fraction() : fraction(run, made)))
+      return tl::unexpected(cancelled());
   }
-  if (run.failsWithStoppedBodies && status_.stopped > 0)
+  if (run.failsWithStoppedBodies && !repeats && status_.stopped > 0)
     return refuse(C3DE_E_DIVERGED, fmt::format("{} {} stopped early; the events state which, where and what would help",
                                                status_.stopped, status_.stopped == 1 ? "body has" : "bodies have"));
   return {};
@@ -276,6 +285,7 @@ Result<void> EmbeddedSimulation::reset() {
                                               CallKind::step, [this] { return table_->reset(simulator_->get()); });
   stateChanged();
   if (code < 0) return tl::unexpected(reason("the reset failed", code));
+  if (recorder_) recorder_->addReset(status_.steps);
   return readStatus();
 }
 

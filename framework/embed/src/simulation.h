@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "c3de/abi/iface/conditions.h"
 #include "c3de/embed.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/live_parameters.h"
@@ -23,7 +24,13 @@
 #include "owner_thread.h"
 #include "result.h"
 
+namespace c3de::session {
+class Recorder;
+}
+
 namespace c3de::embed {
+
+class WarpedImage;
 
 /// One simulation of c3de/embed.h: a session with its simulator. Calls are serialised, except cancel(). Threads: any;
 /// a call from within a callback of the same simulation may only read.
@@ -75,8 +82,24 @@ class EmbeddedSimulation {
   [[nodiscard]] Result<c3de_embed_hold_state> holdState(std::uint64_t hold);
   [[nodiscard]] Result<void> release(std::uint64_t hold);
 
+  /// @param number  0: a new one @return its number
+  [[nodiscard]] Result<std::uint64_t> setCondition(std::uint64_t body, const c3de_embed_condition &condition,
+                                                   std::uint64_t number);
+  [[nodiscard]] Result<c3de_embed_condition_state> conditionState(std::uint64_t number);
+  [[nodiscard]] Result<void> removeCondition(std::uint64_t number);
+
+  /// @param what  C3DE_EMBED_IMAGE, C3DE_EMBED_LABELS
+  [[nodiscard]] Result<std::shared_ptr<const WarpedImage>> warp(std::uint32_t what, const ProgressFn &progress);
+
+  /// @param hashEvery  0: chosen automatically
+  [[nodiscard]] Result<void> record(const std::filesystem::path &file, std::uint64_t hashEvery);
+  [[nodiscard]] Result<void> endRecording();
+  [[nodiscard]] Result<void> replay(const Run &run);
+  [[nodiscard]] Result<c3de_embed_replay_state> replayState();
+
  private:
   class Use;
+  class Running;
   struct FieldMemory {
     std::uint64_t generation = 0;  ///< 0: not read
     std::vector<double> values;
@@ -112,8 +135,14 @@ class EmbeddedSimulation {
   [[nodiscard]] Result<void> build(const Request &request);  // on the owner's thread
   [[nodiscard]] Result<void> begin(const Request &request, const session::RunBeginning &beginning,
                                    const session::SimulatorIdentity &chosen);
+  /// @param repeats  the events of the recording are applied between the steps
+  [[nodiscard]] Result<void> makeSteps(const Run &run, std::uint64_t &made, bool repeats);
   [[nodiscard]] Result<void> makeOneStep(const char *owner);
-  [[nodiscard]] bool isDone(const Run &run, std::uint64_t made) const;
+  void forgetFailedStep();
+  [[nodiscard]] Result<void> repeatDue();
+  [[nodiscard]] Result<void> finishRecording();
+  [[nodiscard]] Failure cancelled() const;
+  [[nodiscard]] bool isDone(const Run &run, std::uint64_t made, bool repeats) const;
   [[nodiscard]] double fraction(const Run &run, std::uint64_t made) const;
   [[nodiscard]] Result<void> readStatus();
   void stateChanged();
@@ -123,6 +152,8 @@ class EmbeddedSimulation {
   [[nodiscard]] Result<const Described *> describe(const BodyEntry &body, std::uint32_t on, std::string_view name);
   [[nodiscard]] Result<void> fill(const BodyEntry &body, std::uint32_t on, const Described &field, double *data,
                                   std::uint64_t rows);
+  [[nodiscard]] Result<c3de_embed_array> trianglesOf(const BodyEntry &body);
+  [[nodiscard]] Result<const c3de_conditions_v0 *> conditions();
   [[nodiscard]] Result<std::string> simulatorReport();
   /// Strings returned to callers, kept until closing.
   [[nodiscard]] const char *intern(std::string_view text) { return interned_.emplace(text).first->c_str(); }
@@ -142,6 +173,11 @@ class EmbeddedSimulation {
   session::SimulatorIdentity identity_;
   session::RunFacts facts_;
   c3de_sim_status status_{};
+  session::SharedScene scene_;               ///< the first of the source
+  session::BodySources sources_;             ///< of a scene with an image: images that were read
+  std::unique_ptr<session::Replay> replay_;  ///< null: not opened from a recording
+  std::shared_ptr<session::Recorder> recorder_;
+  std::filesystem::path recordingFile_;
   std::uint64_t generation_ = 1;
 
   std::vector<session::LiveParameters::Parameter> listed_;  ///< of parameterAt(); empty: not asked for

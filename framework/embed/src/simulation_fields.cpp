@@ -209,12 +209,16 @@ Result<c3de_embed_array> EmbeddedSimulation::viewTriangles(std::uint64_t index) 
   if (use.isRefused()) return use.refusal();
   const auto body = entryOf(index);
   if (!body) return tl::unexpected(body.error());
+  return trianglesOf(**body);
+}
+
+Result<c3de_embed_array> EmbeddedSimulation::trianglesOf(const BodyEntry &body) {
   c3de_view view{};
-  if (const c3de_status code = table_->triangles(simulator_->get(), (*body)->handle, &view); code < 0)
-    return tl::unexpected(reason(fmt::format("triangles of body '{}'", (*body)->info.name), code));
+  if (const c3de_status code = table_->triangles(simulator_->get(), body.handle, &view); code < 0)
+    return tl::unexpected(reason(fmt::format("triangles of body '{}'", body.info.name), code));
   if (view.count != 0 && (view.comps != 3 || view.dtype != C3DE_U32 || view.data == nullptr))
     return refuse(C3DE_E_UNSUPPORTED,
-                  fmt::format("triangles of body '{}': the simulator's are not rows of 3 u32", (*body)->info.name));
+                  fmt::format("triangles of body '{}': the simulator's are not rows of 3 u32", body.info.name));
   constexpr std::int64_t kTight = 3 * sizeof(std::uint32_t);
   c3de_embed_array out = arrayOf(view.data, C3DE_U32, view.count, 3, view.stride == 0 ? kTight : view.stride);
   out.strides[1] = sizeof(std::uint32_t);

@@ -8,6 +8,7 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/scene/text_sink.h"
+#include "c3de/session/recorder.h"
 #include "c3de/session/saved_session.h"
 #include "c3de/session/simulation_state.h"
 #include "c3de/session/tissue_motion.h"
@@ -75,6 +76,7 @@ Result<void> EmbeddedSimulation::loadState(const std::filesystem::path &file) {
   const auto restored = session::goToState(*session_, simulator_->get(), identity_, *bytes, pathText(file));
   stateChanged();
   if (!restored) return refuse(restored.error());
+  if (recorder_) recorder_->addState(status_.steps, *bytes);
   return readStatus();
 }
 

@@ -21,21 +21,6 @@ void leaveText(const char *where, const char *what) noexcept {
 
 }  // namespace
 
-c3de_status statusOf(ErrorCode code) noexcept {
-  switch (code) {
-    case ErrorCode::usage: return C3DE_E_ARG;
-    case ErrorCode::input: return C3DE_E_FORMAT;
-    case ErrorCode::plugin: return C3DE_E_UNSUPPORTED;
-    case ErrorCode::diverged: return C3DE_E_DIVERGED;
-    case ErrorCode::graphics: return C3DE_E_GPU;
-    case ErrorCode::output: return C3DE_E_IO;
-    case ErrorCode::cancelled: return C3DE_E_CANCELLED;
-    case ErrorCode::state: return C3DE_E_STATE;
-    case ErrorCode::internal: break;
-  }
-  return C3DE_E_INTERNAL;
-}
-
 ErrorCode errorCodeOf(c3de_status status) noexcept {
   switch (status) {
     case C3DE_E_ARG:

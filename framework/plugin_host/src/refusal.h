@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "c3de/core/error_status.h"
 #include "c3de/core/expected.h"
 #include "plugin_context.h"
 
@@ -23,7 +24,6 @@ class Refusal : public std::runtime_error {
   c3de_status status_;
 };
 
-[[nodiscard]] c3de_status statusOf(ErrorCode code) noexcept;
 [[nodiscard]] ErrorCode errorCodeOf(c3de_status status) noexcept;
 
 /// Converts the exception in flight to a status, with "where: what" as the last error. For an error about a file it is

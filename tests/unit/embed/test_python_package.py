@@ -15,7 +15,7 @@ import time
 import unittest
 
 import c3de
-from c3de._simulation import _text as text_of
+from c3de._values import _text as text_of
 
 try:
     import numpy
@@ -226,6 +226,76 @@ class Running(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.communicate(timeout=60)[0], "interrupted 1\n")
         self.assertEqual(process.returncode, 0)
+
+    @unittest.skipUnless(hasattr(signal, "SIGINT") and os.name == "posix", "signals of POSIX")
+    def test_interrupts_at_any_moment_of_a_solve_leave_a_complete_state(self):
+        """Signals at random moments: in a solve, between two, at the beginning and the end of a call."""
+        program = ("import c3de, random, signal, threading, time, os, sys\n"
+                   "interrupts = 0\n"
+                   "with c3de.open(%r, threads=1) as sim:\n"
+                   "    random.seed(7)\n"
+                   "    over = threading.Event()\n"
+                   "    armed = threading.Event()\n"
+                   "    def disturb():\n"
+                   "        while not over.is_set():\n"
+                   "            time.sleep(random.uniform(0.0, 0.02))\n"
+                   "            if armed.is_set():\n"
+                   "                os.kill(os.getpid(), signal.SIGINT)\n"
+                   "                time.sleep(0.005)\n"
+                   "    thread = threading.Thread(target=disturb)\n"
+                   "    thread.start()\n"
+                   "    while not sim.status.finished and interrupts < 40:\n"
+                   "        before = sim.steps\n"
+                   "        try:\n"
+                   "            try:\n"
+                   "                armed.set()\n"
+                   "                sim.run()\n"
+                   "            finally:\n"
+                   "                armed.clear()\n"
+                   "        except KeyboardInterrupt:\n"
+                   "            interrupts += 1\n"
+                   "        assert before <= sim.steps, (before, sim.steps)\n"
+                   "    over.set()\n"
+                   "    while True:\n"
+                   "        try:\n"
+                   "            thread.join()\n"
+                   "            break\n"
+                   "        except KeyboardInterrupt:\n"
+                   "            pass\n"
+                   "    sim.run()\n"
+                   "    print(sim.steps, interrupts > 0, *sim.report()['probes'][0]['position_m'])\n" % str(CANTILEVER))
+        ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=200)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+        steps, disturbed, *position = ended.stdout.split()
+        with c3de.open(CANTILEVER, threads=1) as sim:
+            sim.run()
+            self.assertEqual((int(steps), disturbed), (sim.steps, "True"))
+            # Solvers start anew after a cancelled step.
+            for own, alone in zip(position, sim.report()["probes"][0]["position_m"]):
+                self.assertAlmostEqual(float(own), alone, delta=1e-7)
+
+    def test_a_body_that_has_stopped_is_counted_while_the_others_go_on(self):
+        scene = c3de.Scene("two", world={"gravity": [0, -9.81, 0]}, solver={"integrator": "explicit", "dt": 0.02})
+        box = [[x, 0.4 * y - 0.02, 0.4 * z - 0.02] for x, y, z in BOX]
+        for name, spin, height in ("torn", 3000, 0), ("whole", 0, 1000):  # rad/s: faster than its waves
+            scene.body(name, box, BOX_FACES, position=[0, height, 0], angular_velocity=[0, 0, spin],
+                       material={"youngs_modulus": 1e4, "poisson_ratio": 0.3, "density": 1000.0},
+                       sampling={"spacing": 0.02})
+        with scene.open(threads=1) as sim:
+            self.assertEqual(sim.step(5), 5)
+            self.assertEqual((sim.status.stopped, sim.status.bodies), (1, 2))
+            report = sim.report()
+            self.assertIn("torn", report["bodies"][0]["stopped"])
+            self.assertEqual(report["bodies"][1]["stopped"], "")
+            self.assertTrue(any("torn" in event.text for event in sim.events()))
+            self.assertLess(report["bodies"][1]["centre_of_mass_m"][1], 1000.0)
+            with self.assertRaises(c3de.Error) as caught:
+                sim.run(steps=2)
+            self.assertEqual(caught.exception.kind, "diverged")
+            self.assertIn("1 body has stopped", str(caught.exception))
+            self.assertEqual(sim.steps, 7)
+            sim.reset()
+            self.assertEqual(sim.status.stopped, 0)
 
     def test_a_process_with_open_simulations_ends_quietly(self):
         program = "import c3de\nsim = c3de.open(%r)\nsim.step(2)\n" % str(FALLING)

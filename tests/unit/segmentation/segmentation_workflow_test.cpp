@@ -342,6 +342,51 @@ TEST_CASE("A stored selection is selected again, and undo does not go beyond it"
   CHECK_FALSE(other.guide.mask().mask());
 }
 
+TEST_CASE("The mask of a body is edited, and the body follows on request or with every change", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.settle();
+  const auto mask = f.guide.mask().mask();
+  CHECK(f.guide.bodies().empty());
+  f.guide.editBody("spleen");  // there is none
+  CHECK(f.guide.presentBody() == nullptr);
+  f.guide.setBodies({{"spleen", mask}});
+  f.guide.setName("spleen");
+  REQUIRE(f.guide.presentBody() != nullptr);
+  CHECK_THAT(f.guide.updateReason(), Contains("that of the body"));
+  f.guide.updateBody();
+  CHECK(f.updated.empty());
+
+  f.guide.applyStep(Kind::largest);
+  f.settle();
+  CHECK(f.guide.updateReason().empty());
+  CHECK(f.updated.empty());
+  f.guide.updateBody();
+  REQUIRE(f.updated.size() == 1);
+  CHECK(f.updated.front().first == "spleen");
+  CHECK(f.updated.front().second == f.guide.mask().mask());
+  f.guide.setBodies({{"spleen", f.guide.mask().mask()}});
+
+  f.guide.setUpdatedLive(true);
+  f.guide.applyStep(Kind::fillHoles);
+  f.settle();
+  CHECK(f.updated.size() == 2);
+  // Undo makes another object with equal voxels: the body is up to date.
+  f.guide.undo();
+  f.settle();
+  CHECK(f.updated.size() == 2);
+  CHECK_THAT(f.guide.updateReason(), Contains("that of the body"));
+  f.guide.setName("another");
+  f.guide.undo();
+  f.settle();
+  CHECK(f.updated.size() == 2);
+
+  f.guide.editBody("spleen");
+  f.settle();
+  CHECK(f.guide.settings().name == "spleen");
+  CHECK(f.voxels() == Fixture::kLarge);
+}
+
 TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {
   Fixture f;
   f.guide.setLow(60.0);

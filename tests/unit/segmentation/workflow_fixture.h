@@ -29,12 +29,16 @@ struct Fixture {
     return std::move(*loaded);
   }();
   std::vector<BodyRequest> made;
+  std::vector<std::pair<std::string, std::shared_ptr<const imaging::Mask>>> updated;
   int changes = 0;
   SegmentationWorkflow guide{
       jobs,
       "test",
       materials,
-      {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); }}};
+      {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); },
+       [this](const std::string &body, std::shared_ptr<const imaging::Mask> mask) {
+         updated.emplace_back(body, std::move(mask));
+       }}};
   std::string scene;  ///< requested by `scan`
   ScanBody scan{jobs, "test", materials, [this](const std::string &text) { scene = text; }};
   MaskSources sources;

@@ -18,7 +18,24 @@ struct RunArguments {
   RunOptions options;
   std::string view;
   std::string overlay;
+  std::optional<CameraAngles> angles;
+  std::string up;
 };
+
+Expected<void> readCamera(const RunArguments &arguments, RunOptions &options) {
+  if (!arguments.angles && arguments.up.empty()) return {};
+  const std::string name = arguments.angles ? "--camera" : "--up";
+  if (options.screenshot.empty()) return fail(ErrorCode::usage, name + " is for --screenshot");
+  if (options.view && *options.view != PictureView::space && *options.view != PictureView::four)
+    return fail(ErrorCode::usage, name + " is for the 3D view, and --view " + nameOf(*options.view) +
+                                      " is a slice; accepted: 3d, four-up");
+  if (arguments.angles) {
+    options.camera.azimuth_deg = arguments.angles->azimuth_deg;
+    options.camera.elevation_deg = arguments.angles->elevation_deg;
+  }
+  if (!arguments.up.empty()) options.camera.isZUp = arguments.up == "z";
+  return {};
+}
 
 int run(const RunArguments &arguments, const CommandLine &line) {
   RunOptions options = arguments.options;
@@ -39,6 +56,7 @@ int run(const RunArguments &arguments, const CommandLine &line) {
       return reportError(
           {ErrorCode::usage, "--view " + arguments.view + ": accepted: 3d, axial, sagittal, coronal, four-up"});
   }
+  if (const auto good = readCamera(arguments, options); !good) return reportError(good.error());
   if (!arguments.overlay.empty()) {
     if (options.screenshot.empty()) return reportError({ErrorCode::usage, "--overlay is for --screenshot"});
     options.overlay = pictureOverlayOf(arguments.overlay);
@@ -66,13 +84,22 @@ void declarePoints(CLI::App &app, RunOptions &options) {
 /// What is written at the end, and for ParaView over time.
 void addExports(CLI::App &app, CommandLine &line, RunArguments &arguments) {
   RunOptions &options = arguments.options;
-  addFile(app, "--screenshot", options.screenshot, "FILE.png", "Draw the end state");
+  addFile(app, "--screenshot", options.screenshot, "FILE.png",
+          "Draw the end state, as PNG; with the extension .ppm as uncompressed PPM");
   addSize(app, line, "Size of the screenshot; default: 1280x720");
   app.add_option(
          "--view", arguments.view,
          "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
          "image, else 3d")
       ->type_name("VIEW");
+  addParsed(app, "--camera", arguments.angles,
+            "Where the 3D view is seen from, in degrees: azimuth about the up axis (0: from +z, or from -y where z is "
+            "up; 90: from +x), elevation; default: 34,20",
+            [](const std::string &text) { return parseCameraAngles(text); })
+      ->type_name("AZIMUTH,ELEVATION");
+  app.add_option("--up", arguments.up, "The axis that points upwards in the 3D view; default: z beside slices, else y")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->type_name("AXIS");
   app.add_option(
          "--overlay", arguments.overlay,
          "What slices of the screenshot show in colours: none, displacement, volume_change, or a field that the "

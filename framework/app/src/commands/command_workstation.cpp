@@ -77,6 +77,8 @@ Handler declareWorkstation(CLI::App &app, CommandLine &line) {
   app.add_flag("--version", line.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", line.json, "With --version: as JSON");
   app.add_flag("--play", options->play, "Play as soon as the scene is there; without FILES the default scene");
+  app.add_flag("--untitled", options->isUntitled,
+               "The first file is a temporary session: saving asks for another file, and it is not a recent file");
   addSize(app, line, "Size of the window, at most that of the screen");
   addFile(app, "--automation-state", options->automationState, "FILE",
           "Mirror the program's state to this file as JSON");

@@ -50,4 +50,14 @@ Expected<PictureSize> parseSize(std::string_view text) {
   return refuse(text, "WIDTHxHEIGHT in pixels, 16 to 16384, for example 1280x720");
 }
 
+Expected<CameraAngles> parseCameraAngles(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  if (comma != std::string_view::npos) {
+    const auto azimuth = parsed<double>(text.substr(0, comma)), elevation = parsed<double>(text.substr(comma + 1));
+    if (azimuth && elevation && std::abs(*azimuth) <= 360.0 && std::abs(*elevation) <= 90.0)
+      return CameraAngles{*azimuth, *elevation};
+  }
+  return refuse(text, "AZIMUTH,ELEVATION in degrees, -360 to 360 and -90 to 90, for example 30,20");
+}
+
 }  // namespace c3de::app

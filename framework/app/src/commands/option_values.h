@@ -22,4 +22,10 @@ struct PictureSize {
 /// "1280x720"
 [[nodiscard]] Expected<PictureSize> parseSize(std::string_view text);
 
+struct CameraAngles {
+  double azimuth_deg = 0.0, elevation_deg = 0.0;
+};
+/// "30,20": azimuth and elevation in degrees
+[[nodiscard]] Expected<CameraAngles> parseCameraAngles(std::string_view text);
+
 }  // namespace c3de::app

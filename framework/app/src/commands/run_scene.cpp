@@ -136,10 +136,7 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
 Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
                                  BodySources &sources, const Prepared &prepared, const c3de_simulator_v1 *table,
                                  c3de_object *simulator, WrittenOutputs &outputs) {
-  imaging::ReadOptions chosen;
-  chosen.series = scene.image->series;
-  chosen.time = scene.image->time;
-  const auto image = sources.volume(scene.image->file, chosen);
+  const auto image = imageOfScene(scene, sources);
   if (!image) return tl::unexpected(image.error());
   const auto how = imageWarpOf(scene, sources, session.materials(), prepared.tissues);
   if (!how) return tl::unexpected(how.error());
@@ -186,10 +183,12 @@ Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFil
 }
 
 /// The scene's image has already been read and exists.
-Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, BodySources &sources,
-                                        const scene::MaterialLibrary &materials, const Prepared &prepared) {
+Expected<PictureSources> pictureSources(const RunOptions &options, PictureView view, const scene::SceneFile &scene,
+                                        BodySources &sources, const scene::MaterialLibrary &materials,
+                                        const Prepared &prepared) {
   PictureSources out;
   out.view = view;
+  out.camera = options.camera;
   if (view == PictureView::space) return out;
   imaging::ReadOptions atTime;
   atTime.time = scene.image->time;
@@ -216,7 +215,7 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
 Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                            const RunOptions &options, RunPicture &picture, PictureView view, BodySources &sources,
                            const Prepared &prepared) {
-  auto shown = pictureSources(view, scene, sources, session.materials(), prepared);
+  auto shown = pictureSources(options, view, scene, sources, session.materials(), prepared);
   if (!shown) return tl::unexpected(shown.error());
   if (options.overlay) shown->overlay = *options.overlay;
   if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation/screenshot.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
+#include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
 #include "c3de/render/renderer.h"
 #include "c3de/session/body_displacement.h"
 #include "c3de/session/export_image.h"
@@ -73,6 +79,25 @@ void showTissues(Session &session, const Prepared &prepared, TissuePresenter &sh
     shown.place(std::make_shared<const SurfacePositions>(std::move(*places)));
 }
 
+ui::SpaceDirection directionOf(const PictureCamera &camera) {
+  constexpr double kRadians = std::numbers::pi / 180.0;
+  ui::SpaceDirection direction;
+  if (camera.azimuth_deg) direction.yaw = *camera.azimuth_deg * kRadians;
+  if (camera.elevation_deg) direction.pitch = *camera.elevation_deg * kRadians;
+  if (camera.isZUp) direction.upAxis = *camera.isZUp ? render::UpAxis::z : render::UpAxis::y;
+  return direction;
+}
+
+Expected<void> writePicture(const std::filesystem::path &file, const render::Image &picture) {
+  std::string extension = pathText(file.extension());
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  if (extension != ".ppm") return render::writePng(pathText(file), picture);
+  std::string bytes = fmt::format("P6\n{} {}\n255\n", picture.width, picture.height);
+  bytes.append(reinterpret_cast<const char *>(picture.rgb.data()), picture.rgb.size());
+  return writeWholeFile(file, bytes);
+}
+
 }  // namespace
 
 Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file,
@@ -115,9 +140,10 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
   }
   TissuePresenter tissues(renderer, session.sceneGraph());
   if (sources.view == PictureView::four || sources.view == PictureView::space) showTissues(session, prepared, tissues);
-  const auto picture = ui::pictureOfViews(renderer, views, session.sceneGraph(), title, width, height);
+  const auto picture =
+      ui::pictureOfViews(renderer, views, session.sceneGraph(), title, width, height, directionOf(sources.camera));
   if (!picture) return tl::unexpected(picture.error());
-  return render::writePng(file.string(), *picture);
+  return writePicture(file, *picture);
 }
 
 }  // namespace c3de::app

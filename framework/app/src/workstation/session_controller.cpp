@@ -282,7 +282,7 @@ void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::
   if (!session) return;
   if (isRecovered)
     recovered_ = session->file;
-  else
+  else if (session->file != unnamed_)
     file_ = session->file;
   keepUnknown(session->saved, foreign_);
   const std::vector<ReferencedFile> &files = session->saved.files;

@@ -38,6 +38,8 @@ class SessionController {
   };
   explicit SessionController(Parts parts);
 
+  /// This file is opened without its name: saving asks for another file. For files that exist only until then.
+  void keepUnnamed(const std::filesystem::path &file) { unnamed_ = file; }
   /// Adds the actions that save a session.
   void connect(ui::WindowActions &actions);
   /// Reads a session in a background job and builds its simulation.
@@ -109,6 +111,7 @@ class SessionController {
   Parts parts_;
   MissingFilesController missing_;
   std::filesystem::path file_;                  ///< empty: not saved yet
+  std::filesystem::path unnamed_;               ///< of keepUnnamed(); or empty
   Embedding embedding_ = Embedding::extracted;  ///< of the file
   std::optional<Baseline> baseline_;
   bool isSaving_ = false;

@@ -145,6 +145,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
     log(LogLevel::warn, options.notice);
     panels_.notify(C3DE_LOG_INFO, "Another scene than usual", options.notice);
   }
+  if (options.isUntitled && !options.files.empty()) sessions_->keepUnnamed(options.files.front());
   sessions_->offerRecovery();
   open({options.files, options.meshUnit, false});
   return {};

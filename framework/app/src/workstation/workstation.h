@@ -16,6 +16,7 @@ struct WorkstationOptions {
   std::string meshUnit;                      ///< of meshes passed as files; empty: the unit stated in each file, else
                                              ///< mm
   std::string notice;                        ///< shown in the window at the start; may be empty
+  bool isUntitled = false;                   ///< the session in `files` is temporary: saving asks for another file
   bool play = false;                         ///< start playing when the first scene is loaded
   int width = 1280, height = 800;
   std::filesystem::path automationState;  ///< file that mirrors the program's state as JSON; empty: none

@@ -25,7 +25,7 @@
 #endif
 
 /* Grows by 1 with every addition; functions and members are never removed. */
-#define C3DE_EMBED_REV 1u
+#define C3DE_EMBED_REV 2u
 
 typedef uint64_t c3de_sim; /* 0: none */
 
@@ -39,8 +39,8 @@ typedef int32_t(C3DE_CALL *c3de_embed_progress)(void *self, double fraction, con
 typedef struct c3de_embed_options {
   uint32_t size;
   uint32_t flags;   /* C3DE_EMBED_NO_PLUGIN_SEARCH */
-  const char *file; /* a scene (.toml), a session (.c3de) or a mesh; with `text`: only the name for messages, in the
-                               * folder that relative paths refer to */
+  const char *file; /* a scene (.toml), a session (.c3de), a recording (.c3dr) or a mesh; with `text`: only the name
+                     * for messages, in the folder that relative paths refer to */
   const char *text; /* null, or a scene as TOML that is read instead of the file */
   const char *const *assign; /* [assign_n] "PATH=VALUE", as `c3de run --set` */
   uint64_t assign_n;
@@ -253,5 +253,127 @@ C3DE_EMBED_API c3de_status c3de_embed_pull(c3de_sim sim, uint64_t hold, const do
 C3DE_EMBED_API c3de_status c3de_embed_hold_read(c3de_sim sim, uint64_t hold, c3de_embed_hold_state *out);
 /* Removes the springs. */
 C3DE_EMBED_API c3de_status c3de_embed_release(c3de_sim sim, uint64_t hold);
+
+/* ---- revision 2: supports and loads ---- */
+
+/* On a part of the surface of a body, set while the body is simulated. They persist over a reset, and sessions and
+ * recordings contain them. */
+#define C3DE_EMBED_SUPPORT 1u      /* holds the part where it is now */
+#define C3DE_EMBED_DISPLACEMENT 2u /* moves it by `vector` (m) from where it is now, at constant velocity */
+#define C3DE_EMBED_FORCE 3u        /* `vector` (N) in total, distributed by area */
+#define C3DE_EMBED_PRESSURE 4u     /* `pressure_Pa` along the present normal, positive into the body */
+
+#define C3DE_EMBED_AT_REST 1u /* of a support: returns the part to its reference position during the ramp */
+
+/* Either vertices or the box. Positions are those of the reference, as `reference_position` of the surface. */
+typedef struct c3de_embed_condition {
+  uint32_t size;
+  uint32_t flags; /* C3DE_EMBED_AT_REST */
+  uint32_t kind;  /* C3DE_EMBED_SUPPORT ... */
+  uint32_t reserved;
+  const char *name;         /* for messages and reports; null: chosen automatically */
+  const uint32_t *vertices; /* null, or [vertices_n] of the surface: the triangles whose corners are all among them */
+  uint64_t vertices_n;
+  double box_min_m[3], box_max_m[3]; /* without vertices: the surface inside this box, cut at its faces */
+  double vector[3];                  /* magnitude up to 1e5 N, or 1 m */
+  double pressure_Pa;                /* magnitude up to 1e7 Pa */
+  double ramp_s; /* 0 ... 3600: simulated time from now on until the value is reached. Quasi-static: the load factor
+                  * multiplies a force or pressure, and this is of no effect on it */
+} c3de_embed_condition;
+
+typedef struct c3de_embed_condition_state {
+  uint32_t size;
+  uint32_t reserved;
+  double area_m2;      /* in the reference */
+  double force_N[3];   /* on the body now: the reaction of a support, the resultant of a load */
+  const char *warning; /* why it has no effect; empty: it has one */
+} c3de_embed_condition_state;
+
+/* Adds one, or replaces an earlier one. condition: 0, which becomes the number of the new one, or the number of the one
+ * that is replaced; from an equal part and kind the value changes continuously during the ramp. C3DE_E_NOT_FOUND: there
+ * is no such body; C3DE_E_ARG: a value is refused, no part of the surface is chosen, or it overlaps a support that moves
+ * it elsewhere; C3DE_E_STATE: the body cannot move; C3DE_E_UNSUPPORTED: the simulator sets none. Nothing has changed
+ * after a refusal. */
+C3DE_EMBED_API c3de_status c3de_embed_set_condition(c3de_sim sim, uint64_t body, const c3de_embed_condition *what,
+                                                    uint64_t *condition);
+/* C3DE_E_STALE: it was removed, or its body was. */
+C3DE_EMBED_API c3de_status c3de_embed_condition_read(c3de_sim sim, uint64_t condition, c3de_embed_condition_state *out);
+C3DE_EMBED_API c3de_status c3de_embed_remove_condition(c3de_sim sim, uint64_t condition);
+
+/* ---- revision 2: the deformed scan ---- */
+
+typedef uint64_t c3de_image; /* 0: none */
+
+#define C3DE_EMBED_IMAGE 1u  /* the image of [image] of the scene */
+#define C3DE_EMBED_LABELS 2u /* its label map, on the grid of the image: the nearest label */
+
+#define C3DE_EMBED_VOXEL_I8 1u
+#define C3DE_EMBED_VOXEL_U8 2u
+#define C3DE_EMBED_VOXEL_I16 3u
+#define C3DE_EMBED_VOXEL_U16 4u
+#define C3DE_EMBED_VOXEL_I32 5u
+#define C3DE_EMBED_VOXEL_U32 6u
+#define C3DE_EMBED_VOXEL_F32 7u
+#define C3DE_EMBED_VOXEL_F64 8u
+
+/* A layer of a warped image. Memory and text belong to the image and are valid until it is closed. */
+typedef struct c3de_embed_voxels {
+  uint32_t size;
+  uint32_t type;     /* C3DE_EMBED_VOXEL_* */
+  const void *data;  /* contiguous, i fastest */
+  uint64_t shape[3]; /* along i, j, k */
+  int64_t strides[3];
+  double affine[16];       /* row-major: voxel (i, j, k, 1) to mm in RAS (right, anterior, superior), as in NIfTI */
+  double slope, intercept; /* value = slope * voxel + intercept */
+  const char *unit;        /* of the values, "HU"; empty: unknown */
+  uint64_t layers;         /* of this image; above 1 only for overlapping labels */
+  uint64_t labels;         /* that occur in this layer, without the background 0 */
+} c3de_embed_voxels;
+
+typedef struct c3de_embed_label {
+  uint32_t size;
+  uint32_t value;
+  const char *name;
+  float colour[3]; /* linear RGB, 0 ... 1 */
+  uint32_t reserved;
+} c3de_embed_label;
+
+/* The scan deformed with the bodies as they are now: the voxels that `c3de run --export-image` and `--export-labels`
+ * write. The image remains when the simulation continues or is closed. c3de_embed_cancel() ends it, too.
+ * C3DE_E_ARG: the scene has no image, or no labels. progress: may be null. */
+C3DE_EMBED_API c3de_status c3de_embed_warp(c3de_sim sim, uint32_t what, c3de_embed_progress progress,
+                                           void *progress_self, c3de_image *out);
+/* C3DE_E_NOT_FOUND after the last layer, or label. */
+C3DE_EMBED_API c3de_status c3de_embed_image_voxels(c3de_image image, uint64_t layer, c3de_embed_voxels *out);
+C3DE_EMBED_API c3de_status c3de_embed_image_label(c3de_image image, uint64_t layer, uint64_t index,
+                                                  c3de_embed_label *out);
+/* .nrrd, .nii, .nii.gz or .mha; further layers are written beside it as NAME-2, NAME-3, ... */
+C3DE_EMBED_API c3de_status c3de_embed_image_save(c3de_image image, const char *file);
+C3DE_EMBED_API c3de_status c3de_embed_image_close(c3de_image image); /* 0: does nothing */
+
+/* ---- revision 2: recordings ---- */
+
+/* Records from now on into a file (.c3dr): the present state, then every change, step, reset and loaded state, and a hash
+ * of the state every hash_every steps (0: 100). C3DE_E_STATE: it is being recorded already. */
+C3DE_EMBED_API c3de_status c3de_embed_record(c3de_sim sim, const char *file, uint64_t hash_every);
+/* Completes the file. Returns the error that has ended the recording early, such as a full disk; the simulation is not
+ * affected by it. Without a recording it does nothing. Closing a simulation does the same. */
+C3DE_EMBED_API c3de_status c3de_embed_end_recording(c3de_sim sim);
+
+typedef struct c3de_embed_replay_state {
+  uint32_t size;
+  uint32_t flags;        /* C3DE_EMBED_REPLAY_END */
+  uint64_t steps;        /* made of the recording */
+  uint64_t equal_hashes; /* state hashes that were compared and are equal */
+  const char *remark;    /* "ends early, after step 300"; empty: the recording is complete */
+} c3de_embed_replay_state;
+
+#define C3DE_EMBED_REPLAY_END 1u /* everything is repeated */
+
+/* Repeats a recording that c3de_embed_open() has opened, from its start to its end, or to the limits of `options`. Every
+ * recorded state hash is compared. C3DE_E_DIVERGED: the first one differs, and the text names its step. C3DE_E_STATE:
+ * the simulation is of no recording. out: may be null. */
+C3DE_EMBED_API c3de_status c3de_embed_replay(c3de_sim sim, const c3de_embed_run_options *options,
+                                             c3de_embed_replay_state *out);
 
 #endif

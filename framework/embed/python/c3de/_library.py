@@ -9,6 +9,7 @@ from typing import Any, List
 OK = 0
 E_ARG, E_UNSUPPORTED, E_NOT_FOUND, E_STALE, E_STATE = -1, -3, -5, -6, -7
 E_IO, E_FORMAT, E_CANCELLED, E_TIMEOUT, E_DIVERGED = -10, -11, -12, -13, -14
+E_GRAPHICS, E_INTERNAL = -15, -17
 _NAMES = {-1: "argument", -2: "version", -3: "unsupported", -4: "exists", -5: "not found", -6: "closed", -7: "state",
           -8: "thread", -9: "no memory", -10: "input or output", -11: "format", -12: "cancelled", -13: "time limit",
           -14: "diverged", -15: "graphics", -16: "exception", -17: "internal"}
@@ -17,21 +18,31 @@ ON_POINTS, ON_SURFACE = 1, 2
 LOAD_STEPS, FINISHED = 1, 2
 NO_PLUGIN_SEARCH = 1
 HOLD_SHAPE = 1
+SUPPORT, DISPLACEMENT, FORCE, PRESSURE = 1, 2, 3, 4
+AT_REST = 1
+IMAGE, LABELS = 1, 2
+VOXEL_TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64")  # from 1 on
+REPLAY_END = 1
 NUMBER, INTEGER, BOOL, CHOICE, TEXT, VECTOR = 1, 2, 3, 4, 5, 6
 U32, F64 = 5, 2
 
 
 class Error(Exception):
-    """What failed, with the text of the program. `status`: the c3de_status code; `kind`: its name as text. `steps`: of
-    Simulation.step(), those made before the failure."""
+    """What failed, with the text of the program: what is wrong, where, which value, what is accepted.
 
-    def __init__(self, text: str, status: int = -17, steps: int = 0):
+    - kind: a word: "argument", "unsupported", "not found", "closed", "state", "input or output", "format", "cancelled",
+      "time limit", "diverged", "graphics", …
+    - status: the code c3de_status of the library, negative
+    - steps: of Simulation.step(), those made before the failure
+    """
+
+    def __init__(self, text: str, status: int = -17, steps: int = 0) -> None:
         super().__init__(text)
         self.status = status
         self.steps = steps
         self.kind = _NAMES.get(status, "unknown")
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         return (Error, (self.args[0], self.status, self.steps))
 
 
@@ -106,6 +117,34 @@ class HoldStateStruct(_Sized):
                 ("target_m", c.c_double * 3), ("force_N", c.c_double * 3), ("mass_kg", c.c_double)]
 
 
+class ConditionStruct(_Sized):
+    _fields_ = [("size", c.c_uint32), ("flags", c.c_uint32), ("kind", c.c_uint32), ("reserved", c.c_uint32),
+                ("name", c.c_char_p), ("vertices", c.POINTER(c.c_uint32)), ("vertices_n", c.c_uint64),
+                ("box_min_m", c.c_double * 3), ("box_max_m", c.c_double * 3), ("vector", c.c_double * 3),
+                ("pressure_Pa", c.c_double), ("ramp_s", c.c_double)]
+
+
+class ConditionStateStruct(_Sized):
+    _fields_ = [("size", c.c_uint32), ("reserved", c.c_uint32), ("area_m2", c.c_double), ("force_N", c.c_double * 3),
+                ("warning", c.c_char_p)]
+
+
+class VoxelsStruct(_Sized):
+    _fields_ = [("size", c.c_uint32), ("type", c.c_uint32), ("data", c.c_void_p), ("shape", c.c_uint64 * 3),
+                ("strides", c.c_int64 * 3), ("affine", c.c_double * 16), ("slope", c.c_double),
+                ("intercept", c.c_double), ("unit", c.c_char_p), ("layers", c.c_uint64), ("labels", c.c_uint64)]
+
+
+class LabelStruct(_Sized):
+    _fields_ = [("size", c.c_uint32), ("value", c.c_uint32), ("name", c.c_char_p), ("colour", c.c_float * 3),
+                ("reserved", c.c_uint32)]
+
+
+class ReplayStruct(_Sized):
+    _fields_ = [("size", c.c_uint32), ("flags", c.c_uint32), ("steps", c.c_uint64), ("equal_hashes", c.c_uint64),
+                ("remark", c.c_char_p)]
+
+
 def _candidates() -> List[str]:
     given = os.environ.get("C3DE_LIBRARY")
     if given:
@@ -133,6 +172,12 @@ def _declare(library: c.CDLL) -> None:
         "save_session": [sim, text], "hold_body": [sim, u64, c.POINTER(HoldStruct), numbers],
         "pull": [sim, u64, c.POINTER(c.c_double)], "hold_read": [sim, u64, c.POINTER(HoldStateStruct)],
         "release": [sim, u64],
+        "set_condition": [sim, u64, c.POINTER(ConditionStruct), numbers],
+        "condition_read": [sim, u64, c.POINTER(ConditionStateStruct)], "remove_condition": [sim, u64],
+        "warp": [sim, u32, PROGRESS, c.c_void_p, numbers], "image_voxels": [u64, u64, c.POINTER(VoxelsStruct)],
+        "image_label": [u64, u64, u64, c.POINTER(LabelStruct)], "image_save": [u64, text], "image_close": [u64],
+        "record": [sim, text, u64], "end_recording": [sim],
+        "replay": [sim, c.POINTER(RunOptions), c.POINTER(ReplayStruct)],
     }
     for name, arguments in signatures.items():
         function = getattr(library, "c3de_embed_" + name)
@@ -154,9 +199,9 @@ def _load() -> c.CDLL:
     else:
         raise ImportError("libc3de was not found: " + "; ".join(problems) +
                           "; C3DE_LIBRARY can name the file")
+    if library.c3de_embed_revision() < 2:
+        raise ImportError("libc3de is too old: revision %d; accepted: 2 at least" % library.c3de_embed_revision())
     _declare(library)
-    if library.c3de_embed_revision() < 1:
-        raise ImportError("libc3de is too old: revision 0; accepted: 1 at least")
     return library
 
 
@@ -181,12 +226,12 @@ def plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def texts(values: List[str]):
+def texts(values: List[str]) -> Any:
     """An array of char* for a list; None for an empty one."""
     return (c.c_char_p * len(values))(*[v.encode() for v in values]) if values else None
 
 
-def numpy_module():
+def numpy_module() -> Any:
     """numpy, or an Error that says how to get it."""
     try:
         import numpy

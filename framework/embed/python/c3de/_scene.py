@@ -48,7 +48,7 @@ class _Folder:
 
 class Scene:
     """A scene whose bodies are triangle meshes in arrays. Keys are those of the scene file; values are numbers, text,
-    lists and dicts. Units are SI.
+    lists and dicts. Units are SI. For example::
 
         scene = c3de.Scene("block", world={"gravity": [0, 0, -9.81]}, solver={"integrator": "quasistatic"})
         scene.body("block", vertices, triangles, material={"youngs_modulus": 1e4}, sampling={"spacing": 0.01})

@@ -1,165 +1,81 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulations, their bodies and holds."""
+"""Simulations: opening, running, parameters, states."""
 
 import ctypes as c
 import json
-import operator
 import os
-import sys
 import threading
 import time
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _library as _l
+from ._bodies import Body
+from ._calls import POLL_S, _Bar, _InterruptibleCall
+from ._images import WarpedImage, warp
 from ._library import Error, check, lib
+from ._pictures import Pictures
+from ._recording import Recording, Replayed, repeat, replay_options
+from ._values import Path, Value, _file, _text
 
-if TYPE_CHECKING:
-    import numpy
-
-Value = Union[float, int, bool, str, Sequence[float]]
-Path = Union[str, "os.PathLike[str]"]
-
-_POLL_S = 0.05  # between two looks for Ctrl-C
 _SHORT_S = 0.02  # calls that are expected to be shorter run on the calling thread
 
 
 class Status(NamedTuple):
-    """State of a simulation."""
-    steps: int          #: since the initial state
-    time: float         #: simulated, s; 0 of a quasi-static solution
-    dt: float           #: size of the next step, s
+    """State of a simulation.
+
+    - steps: since the initial state
+    - time: simulated, s; 0 of a quasi-static solution
+    - dt: size of the next step, s
+    - bodies: their number
+    - stopped: number of bodies that stay in their last good state
+    - finished: the solution is complete; further steps have no effect
+    - quasistatic: steps increase the load
+    - wall: wall time spent in steps, s
+    """
+    steps: int
+    time: float
+    dt: float
     bodies: int
-    stopped: int        #: bodies that stay in their last good state
-    finished: bool      #: the solution is complete; further steps have no effect
-    quasistatic: bool   #: steps increase the load
-    wall: float         #: wall time spent in steps, s
+    stopped: int
+    finished: bool
+    quasistatic: bool
+    wall: float
 
 
 class Parameter(NamedTuple):
-    """What can be read and set while the simulation exists."""
+    """What can be read and set while the simulation exists.
+
+    - path: of sim[path]
+    - unit: SI; empty: none
+    - label: name for people
+    - meaning: effect of small and large values
+    - accepted: such as "0 < value < 0.5"
+    """
     path: str
-    unit: str           #: SI; empty: none
+    unit: str
     label: str
     meaning: str
-    accepted: str       #: "0 < value < 0.5"
+    accepted: str
 
 
 class Event(NamedTuple):
-    """Something that happened while the simulation ran."""
-    time: float         #: simulated, s
+    """Something that happened while the simulation ran.
+
+    - time: simulated, s
+    - kind: a word, such as "overlap" or "stopped"
+    - text: what happened, to which body
+    """
+    time: float
     kind: str
     text: str
-
-
-def _text(value: Value) -> str:
-    """A value as after `--set PATH=`."""
-    value = _l.plain(value)
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return value
-    if hasattr(value, "__index__"):
-        return str(operator.index(value))  # type: ignore[arg-type]
-    if hasattr(value, "__len__") or hasattr(value, "__iter__"):
-        return "[" + ", ".join(_text(one) for one in value) + "]"  # type: ignore[union-attr]
-    return repr(float(value))  # type: ignore[arg-type]
-
-
-def _vector(values: Sequence[float], name: str) -> Any:
-    numbers = [float(value) for value in values]
-    if len(numbers) != 3:
-        raise Error("%s has %d numbers; accepted: 3" % (name, len(numbers)), _l.E_ARG)
-    return (c.c_double * 3)(*numbers)
-
-
-def _file(path: Path) -> bytes:
-    return os.fspath(path).encode()
-
-
-class _InterruptibleCall:
-    """Runs a long call on a worker thread so that the main thread can handle Ctrl-C."""
-
-    def __init__(self, call: Callable[[], None], cancel: Callable[[], None]):
-        self._call, self._cancel = call, cancel
-        self._error: Optional[BaseException] = None
-        self._done = threading.Event()
-        self._begin = threading.Lock()
-        self._begun = self._withdrawn = False
-
-    def _withdraw(self) -> bool:
-        """Whether the call has not begun, and never will."""
-        with self._begin:
-            self._withdrawn = not self._begun
-            return self._withdrawn
-
-    def _run(self) -> None:
-        with self._begin:
-            if self._withdrawn:
-                return
-            self._begun = True
-        try:
-            self._call()
-        except BaseException as error:  # passed on by wait()
-            self._error = error
-        finally:
-            self._done.set()
-
-    def wait(self) -> None:
-        if threading.current_thread() is not threading.main_thread():
-            self._call()  # signals are for the main thread
-            return
-        thread = threading.Thread(target=self._run, name="c3de", daemon=True)
-        interrupt: Optional[BaseException] = None
-        is_started = False
-        while True:
-            try:
-                if interrupt is not None:
-                    if self._withdraw():
-                        raise interrupt
-                    self._cancel()
-                elif not is_started:
-                    is_started = True  # an interrupt within start() does not tell whether it has started
-                    thread.start()
-                if self._done.wait(_POLL_S):
-                    break
-            except BaseException as error:  # KeyboardInterrupt, or what another handler raises
-                if self._withdrawn:
-                    raise
-                interrupt = interrupt or error
-        thread.join()
-        if interrupt is not None:
-            raise interrupt
-        if self._error is not None:
-            raise self._error
-
-
-class _Bar:
-    """Progress on stderr: a bar on a terminal, nothing elsewhere."""
-
-    def __init__(self, show: Union[bool, Callable[[float, str], Any]]):
-        self._show = show
-        self._open = False
-
-    def __call__(self, fraction: float, text: str) -> bool:
-        if callable(self._show):
-            return self._show(fraction, text) is False
-        if self._show and sys.stderr.isatty():
-            part = min(max(fraction, 0.0), 1.0)
-            sys.stderr.write("\r[%-30s] %3d %%  %s\x1b[K" % ("#" * int(30 * part), int(100 * part), text))
-            sys.stderr.flush()
-            self._open = True
-        return False
-
-    def finish(self) -> None:
-        if self._open:
-            sys.stderr.write("\n")
 
 
 def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: Union[bool, Callable] = False,
          threads: int = 0, plugins: Sequence[Path] = (), plugin_folders: Sequence[Path] = (),
          search_plugins: bool = True, **values: Value) -> "Simulation":
-    """Builds the simulation of a scene (.toml), a session (.c3de) or a mesh.
+    """Builds the simulation of a scene (.toml), a session (.c3de), a mesh or a recording (.c3dr), which begins with its
+    first state: replay() repeats it.
 
     text: a scene as TOML that is read instead of the file; relative paths are those of the folder of `path`, or of the
     current folder. progress: True for a bar, or f(fraction, text), which returns False to cancel; it is called on
@@ -207,10 +123,14 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
         raise
     finally:
         bar.finish()
-    return Simulation(handle.value, os.fspath(path) if path is not None else "text")
+    simulation = Simulation(handle.value, os.fspath(path) if path is not None else "text")
+    simulation._program_options = [*(["--no-plugins"] if not search_plugins else []),
+                                   *("--plugin=" + os.path.abspath(one) for one in files),
+                                   *("--plugin-path=" + os.path.abspath(one) for one in folders)]
+    return simulation
 
 
-class Simulation:
+class Simulation(Pictures):
     """One simulation; made by c3de.open(). A context manager: closed at its end.
 
     sim[path] reads a parameter and sim[path] = value sets it, by the paths of `c3de run --set`; a number has the SI
@@ -233,7 +153,7 @@ class Simulation:
 
         Raises Error of kind "state" within a function for progress; the simulation stays open then.
         """
-        while not self._lock.acquire(timeout=_POLL_S):
+        while not self._lock.acquire(timeout=POLL_S):
             self.cancel()
         try:
             if self._finalizer.alive:
@@ -319,23 +239,7 @@ class Simulation:
 
         Raises Error: as step(); kind "diverged" also where bodies have stopped early; kind "cancelled".
         """
-        if until is not None and not until > 0.0:
-            raise Error("until is %s s; accepted: > 0" % until, _l.E_ARG)
-        if steps is not None and steps <= 0:
-            raise Error("steps is %d; accepted: > 0" % steps, _l.E_ARG)
-        bar = _Bar(progress)
-        raised: List[BaseException] = []
-
-        def stepped(_self: Any, status: Any, fraction: float) -> int:
-            try:
-                return int(bar(fraction, "%g s, step %d" % (status.contents.time_s, status.contents.steps)))
-            except BaseException as error:  # of a function of the caller
-                raised.append(error)
-                return 1
-
-        options = _l.RunOptions(max_steps=steps or 0, until_s=until or 0.0, stepped_every_s=_POLL_S)
-        if progress:
-            options.stepped = _l.STEPPED(stepped)
+        options, bar, raised = replay_options(until, steps, progress)
 
         def call() -> None:
             try:
@@ -357,13 +261,15 @@ class Simulation:
         lib.c3de_embed_cancel(self._handle)
 
     def reset(self) -> None:
-        """Returns to the initial state, bit for bit."""
+        """Returns to the initial state, bit for bit. Raises Error of kind "state" within a function for progress."""
         with self._lock:
             check(lib.c3de_embed_reset(self._handle))
 
     # Parameters
 
     def __getitem__(self, path: str) -> Union[float, int, bool, str, Tuple[float, float, float]]:
+        """A parameter by its path: a number in SI units, a text, or a vector of three numbers. Raises Error of kind
+        "argument": there is no such parameter; the nearest names are in its text."""
         out = _l.ValueStruct()
         with self._lock:
             check(lib.c3de_embed_get(self._handle, path.encode(), c.byref(out)))
@@ -379,12 +285,14 @@ class Simulation:
         return text
 
     def __setitem__(self, path: str, value: Value) -> None:
+        """Sets a parameter from the next step on. Raises Error of kind "argument": the value is refused, or the
+        parameter takes effect only when the scene is built. Nothing has changed then."""
         text = _text(value).encode()
         with self._lock:
             check(lib.c3de_embed_set(self._handle, path.encode(), text))
 
     def parameters(self) -> List[Parameter]:
-        """All parameters that can be read and set now."""
+        """All parameters that can be read and set now, with units and accepted ranges."""
         count = c.c_uint64()
         found = []
         with self._lock:
@@ -396,16 +304,60 @@ class Simulation:
                                                                      out.accepted))))
         return found
 
+    # The deformed scan
+
+    def warped_image(self, *, progress: Union[bool, Callable[[float, str], Any]] = False) -> WarpedImage:
+        """The image of the scene, deformed with the bodies as they are now: the voxels that `c3de run --export-image`
+        writes. progress as for run(). Ctrl-C cancels.
+
+        Raises Error of kind "argument": the scene has no image.
+        """
+        return warp(self, _l.IMAGE, progress)
+
+    def warped_labels(self, *, progress: Union[bool, Callable[[float, str], Any]] = False) -> WarpedImage:
+        """Its label map, likewise, on the grid of the image: the nearest label, as `c3de run --export-labels`.
+
+        Raises Error of kind "argument": the scene has no image, or no label map.
+        """
+        return warp(self, _l.LABELS, progress)
+
+    # Recordings
+
+    def record(self, file: Path, *, hash_every: int = 100) -> Recording:
+        """Records from now on into a file (.c3dr), until Recording.end() or close(): the present state and every
+        change, step, reset and loaded state, with a state hash every `hash_every` steps. Ctrl-C cancels the beginning.
+
+        Raises Error: kind "state", it is being recorded already; "input or output", the file cannot be written.
+        """
+        if hash_every < 1:
+            raise Error("hash_every is %d; accepted: >= 1" % hash_every, _l.E_ARG)
+
+        def call() -> None:
+            with self._lock:
+                check(lib.c3de_embed_record(self._handle, _file(file), hash_every))
+
+        _InterruptibleCall(call, self.cancel).wait()
+        return Recording(self)
+
+    def replay(self, until: Optional[float] = None, *, steps: Optional[int] = None,
+               progress: Union[bool, Callable[[float, str], Any]] = False) -> Replayed:
+        """Continues the recording that c3de.open() has opened: to its end, to a simulated time (s), or for a number of
+        steps. Every recorded state hash is compared. progress as for run(). Ctrl-C cancels.
+
+        Raises Error: kind "diverged", a state hash differs, with its step; "state", it was opened from no recording.
+        """
+        return repeat(self, until, steps, progress)
+
     # Bodies
 
-    def body(self, name: str) -> "Body":
+    def body(self, name: str) -> Body:
         """The body with a name. Raises Error of kind "not found", with the names that there are."""
         index = c.c_uint64()
         check(lib.c3de_embed_find_body(self._handle, name.encode(), c.byref(index)))
         return Body(self, index.value)
 
     @property
-    def bodies(self) -> List["Body"]:
+    def bodies(self) -> List[Body]:
         """All bodies, in the order of the scene."""
         return [Body(self, index) for index in range(self.status.bodies)]
 
@@ -419,12 +371,13 @@ class Simulation:
         return json.loads(text.decode())
 
     def events(self) -> List[Event]:
-        """What happened while it ran."""
+        """What happened while it ran, the oldest first."""
         return [Event(one.get("time_s", 0.0), one.get("kind", ""), one.get("text", ""))
                 for one in self._json(lib.c3de_embed_events)]
 
     def report(self) -> Dict[str, Any]:
-        """The report of `c3de run --report` about the present state, without measurements and volumes of skins."""
+        """The report of `c3de run --report` about the present state, without measurements and volumes of skins.
+        docs/user/headless.md describes its keys."""
         return self._json(lib.c3de_embed_report)
 
     def save_state(self, file: Path) -> None:
@@ -433,212 +386,17 @@ class Simulation:
             check(lib.c3de_embed_save_state(self._handle, _file(file)))
 
     def load_state(self, file: Path) -> None:
-        """Returns to a state that was saved of the same scene, bit for bit. On an Error nothing has changed."""
+        """Returns to a state that was saved of the same scene, bit for bit.
+
+        Raises Error: kind "format", the file is unreadable or of another scene. Nothing has changed then.
+        """
         with self._lock:
             check(lib.c3de_embed_load_state(self._handle, _file(file)))
 
     def save_session(self, file: Path) -> None:
-        """Writes scene, changes and state as a session (.c3de), for the window, `c3de run` and c3de.open()."""
+        """Writes scene, changes and state as a session (.c3de), for the window, `c3de run` and c3de.open().
+
+        Raises Error: kind "input or output", the file cannot be written; "state", within a function for progress.
+        """
         with self._lock:
             check(lib.c3de_embed_save_session(self._handle, _file(file)))
-
-
-class Body:
-    """A body of a simulation."""
-
-    def __init__(self, simulation: Simulation, index: int):
-        self.simulation = simulation
-        self._index = index
-
-    def _info(self) -> Any:
-        out = _l.BodyStruct()
-        check(lib.c3de_embed_body_at(self.simulation._handle, self._index, c.byref(out)))
-        return out
-
-    @property
-    def name(self) -> str:
-        """Name in the scene."""
-        with self.simulation._lock:
-            return self._info().name.decode()
-
-    @property
-    def mass(self) -> float:
-        """Mass, kg."""
-        return self._info().mass_kg
-
-    @property
-    def volume(self) -> float:
-        """Volume at rest, m³."""
-        return self._info().volume_m3
-
-    @property
-    def spacing(self) -> float:
-        """Mean distance of the points, m."""
-        return self._info().spacing_m
-
-    @property
-    def points(self) -> "PointSet":
-        """The material points."""
-        return PointSet(self, _l.ON_POINTS)
-
-    @property
-    def surface(self) -> "Surface":
-        """The surface mesh."""
-        return Surface(self, _l.ON_SURFACE)
-
-    def hold(self, at: Sequence[float], radius: float, *, keep_shape: bool = False, frequency: float = 0.0,
-             damping_ratio: float = 0.0, max_force: float = 0.0) -> "Hold":
-        """Attaches springs to the points within `radius` (m) of `at` (m, current configuration). They pull these
-        towards a target: Hold.pull(). keep_shape: what is held keeps its shape; otherwise only the weighted mean
-        position is controlled. frequency (Hz), damping_ratio (1: critical) and max_force (N) are chosen automatically
-        where they are 0. A context manager: released at its end.
-
-        Raises Error: kind "argument", a value is refused; "state", the body cannot be held; "unsupported", the
-        simulator holds no bodies.
-        """
-        options = _l.HoldStruct(flags=_l.HOLD_SHAPE if keep_shape else 0, at_m=_vector(at, "at"), radius_m=radius,
-                                frequency_hz=frequency, damping_ratio=damping_ratio, max_force_N=max_force)
-        out = c.c_uint64()
-        with self.simulation._lock:
-            check(lib.c3de_embed_hold_body(self.simulation._handle, self._index, c.byref(options), c.byref(out)))
-        return Hold(self.simulation, out.value)
-
-    def __repr__(self) -> str:
-        info = self._info()
-        return "<c3de.Body %r, %d points, %d triangles, %g kg>" % (self.name, info.points, info.triangles, info.mass_kg)
-
-
-class PointSet:
-    """Points of a body and the fields at them. An array is a read-only snapshot with memory of its own: it stays valid
-    and unchanged after further steps and after the simulation is closed."""
-
-    def __init__(self, body: Body, on: int):
-        self.body = body
-        self._on = on
-
-    def __len__(self) -> int:
-        info = self.body._info()
-        return info.points if self._on == _l.ON_POINTS else info.surface_points
-
-    def _fields(self) -> List[Tuple[str, str, int]]:
-        """Names, units and numbers of components."""
-        found: List[Tuple[str, str, int]] = []
-        simulation = self.body.simulation
-        with simulation._lock:
-            while True:
-                out = _l.FieldStruct()
-                status = lib.c3de_embed_field_at(simulation._handle, self.body._index, self._on, len(found),
-                                                 c.byref(out))
-                if status == _l.E_NOT_FOUND and found:
-                    return found
-                check(status)
-                found.append((out.name.decode(), out.unit.decode(), out.comps))
-
-    @property
-    def fields(self) -> Dict[str, str]:
-        """Names and SI units ("1" for a ratio)."""
-        return {name: unit for name, unit, _ in self._fields()}
-
-    def field(self, name: str) -> "numpy.ndarray":
-        """A field as it is now: (n,), (n, 3) for a vector, (n, 9) for a matrix (column-major), f64; unit: fields[name].
-
-        Raises Error of kind "not found", with the names that there are; "unsupported" without numpy.
-        """
-        numpy = _l.numpy_module()
-        simulation, index = self.body.simulation, self.body._index
-        known = simulation._comps.get((index, self._on, name))
-        if known is None:
-            known = next((comps for one, _, comps in self._fields() if one == name), 0)
-            if known:
-                simulation._comps[(index, self._on, name)] = known
-        rows = len(self)
-        array = numpy.empty((rows,) if known <= 1 else (rows, known))
-        check(lib.c3de_embed_read_field(simulation._handle, index, self._on, name.encode(), array.ctypes.data,
-                                        array.nbytes))
-        array.flags.writeable = False
-        return array
-
-    @property
-    def position(self) -> "numpy.ndarray":
-        """(n, 3), m"""
-        return self.field("position")
-
-    def __repr__(self) -> str:
-        return "<c3de.%s of %r, %d points>" % (type(self).__name__, self.body.name, len(self))
-
-
-class Surface(PointSet):
-    """The surface of a body: points and triangles."""
-
-    @property
-    def vertices(self) -> "numpy.ndarray":
-        """Positions of its points: (n, 3), m."""
-        return self.field("position")
-
-    @property
-    def triangles(self) -> "numpy.ndarray":
-        """Indices of vertices, outwards by the right-hand rule: (m, 3), u32."""
-        numpy = _l.numpy_module()
-        out = _l.ArrayStruct()
-        with self.body.simulation._lock:
-            check(lib.c3de_embed_view_triangles(self.body.simulation._handle, self.body._index, c.byref(out)))
-            return _copy(numpy, out)
-
-
-class Hold:
-    """Springs that hold a part of a body; made by Body.hold()."""
-
-    def __init__(self, simulation: Simulation, handle: int):
-        self.simulation = simulation
-        self._handle = handle
-        self._open = True
-
-    def pull(self, target: Sequence[float]) -> None:
-        """Sets the position (m) that the hold point `at` is pulled to from now on."""
-        numbers = _vector(target, "target")
-        with self.simulation._lock:
-            check(lib.c3de_embed_pull(self.simulation._handle, self._handle, numbers))
-
-    def _state(self) -> Any:
-        out = _l.HoldStateStruct()
-        check(lib.c3de_embed_hold_read(self.simulation._handle, self._handle, c.byref(out)))
-        return out
-
-    @property
-    def force(self) -> Tuple[float, float, float]:
-        """Force on the body in the last step, N."""
-        return tuple(self._state().force_N)
-
-    @property
-    def point(self) -> Tuple[float, float, float]:
-        """Current position of the hold point `at`, m."""
-        return tuple(self._state().point_m)
-
-    def release(self) -> None:
-        """Ends it. May be called twice."""
-        with self.simulation._lock:
-            if not self._open:
-                return
-            status = lib.c3de_embed_release(self.simulation._handle, self._handle)
-            self._open = status < 0 and status != _l.E_STALE  # after another failure it can be released later
-            check(status)
-
-    def __enter__(self) -> "Hold":
-        return self
-
-    def __exit__(self, *_exception: Any) -> None:
-        self.release()
-
-
-def _copy(numpy: Any, view: Any) -> Any:
-    rows, comps = view.shape[0], view.shape[1]
-    dtype = numpy.float64 if view.dtype == _l.F64 else numpy.uint32
-    shape = (rows,) if view.rank == 1 else (rows, comps)
-    if rows == 0:
-        array = numpy.empty(shape, dtype)
-    else:
-        nbytes = view.strides[0] * (rows - 1) + dtype().itemsize * comps
-        memory = (c.c_char * nbytes).from_address(view.data)
-        array = numpy.ndarray(shape, dtype, memory, strides=tuple(view.strides)[:view.rank]).copy()
-    array.flags.writeable = False
-    return array

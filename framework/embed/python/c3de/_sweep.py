@@ -12,13 +12,18 @@ from typing import Any, Dict, Iterator, NamedTuple, Optional, Sequence
 
 from . import _library as _l
 from ._library import Error
-from ._simulation import Path, Value, _text
+from ._values import Path, Value, _text
 
 
 class SweepRow(NamedTuple):
-    """One simulation of a sweep."""
-    values: Dict[str, Value]            #: by path
-    report: Optional[Dict[str, Any]]    #: of the end state; None after an error
+    """One simulation of a sweep.
+
+    - values: by path
+    - report: of the end state, as Simulation.report(); None after an error
+    - error: why there is no report; None otherwise
+    """
+    values: Dict[str, Value]
+    report: Optional[Dict[str, Any]]
     error: Optional[Error]
 
     def __repr__(self) -> str:

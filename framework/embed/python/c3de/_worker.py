@@ -3,6 +3,7 @@
 
 import json
 import sys
+from typing import Any, Dict
 
 from . import Error, open as _open
 
@@ -12,7 +13,7 @@ def main() -> None:
     try:
         with _open(request["scene"], threads=request["threads"], **request["values"]) as simulation:
             simulation.run(request["until"], steps=request["steps"])
-            answer = {"report": simulation.report()}
+            answer: Dict[str, Any] = {"report": simulation.report()}
     except Error as error:
         answer = {"error": str(error), "status": error.status}
     json.dump(answer, sys.stdout)

@@ -90,6 +90,15 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
   return {};
 }
 
+Expected<std::shared_ptr<const imaging::Volume>> imageOfScene(const scene::SceneFile &scene, BodySources &sources) {
+  imaging::ReadOptions chosen;
+  chosen.series = scene.image->series;
+  chosen.time = scene.image->time;
+  auto image = sources.volume(scene.image->file, chosen);
+  if (!image) return failInScene(image.error(), scene, scene.image->line);
+  return *image;
+}
+
 Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
                                 const scene::MaterialLibrary &materials, const std::vector<TissueVoxels> &tissues) {
   ImageWarp how;
@@ -97,11 +106,8 @@ Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sour
   if (!scene.image) return how;
   const scene::SceneImage &asked = *scene.image;
   how.rim_mm = asked.rim_mm;
-  imaging::ReadOptions chosen;
-  chosen.series = asked.series;
-  chosen.time = asked.time;
-  const auto image = sources.volume(asked.file, chosen);
-  if (!image) return failInScene(image.error(), scene, asked.line);
+  const auto image = imageOfScene(scene, sources);
+  if (!image) return tl::unexpected(image.error());
   if (!asked.labels.empty()) {
     const auto labels = sources.labels(asked.labels.back(), {});
     if (!labels) return failInScene(labels.error(), scene, asked.line);
@@ -189,12 +195,17 @@ Expected<std::string> writeLabels(const std::filesystem::path &file,
   return text;
 }
 
+Expected<imaging::Volume> warpedImage(const imaging::Volume &image, bool areLabels, const imaging::DisplacementGrid &u,
+                                      const ProgressFn &progress, ThreadPool *threads) {
+  const auto sampling = areLabels ? imaging::WarpSampling::nearest : imaging::WarpSampling::linear;
+  return imaging::warped(image, u, progress, threads, sampling);
+}
+
 Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, bool areLabels,
                                   const imaging::DisplacementGrid &u, const ProgressFn &progress, ThreadPool *threads) {
   std::string lines;
   if (!wanted.image.empty()) {
-    const auto sampling = areLabels ? imaging::WarpSampling::nearest : imaging::WarpSampling::linear;
-    const auto warped = imaging::warped(image, u, progress, threads, sampling);
+    const auto warped = warpedImage(image, areLabels, u, progress, threads);
     if (!warped) return tl::unexpected(warped.error());
     if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return tl::unexpected(written.error());
     lines = pathText(wanted.image);

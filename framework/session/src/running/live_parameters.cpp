@@ -26,10 +26,11 @@ bool isDeclared(const std::vector<ParameterDecl> &decls, std::string_view id) {
 
 /// The only id that ends with the key; empty: none, or several.
 std::string fullId(const std::vector<ParameterDecl> &decls, const std::string &key) {
-  if (isDeclared(decls, kMaterial.data() + key)) return kMaterial.data() + key;
+  if (std::string inMaterial = kMaterial.data() + key; isDeclared(decls, inMaterial)) return inMaterial;
+  const std::string ending = "." + key;
   std::string found;
   for (const ParameterDecl &one : decls) {
-    if (!one.id.ends_with("." + key)) continue;
+    if (!one.id.ends_with(ending)) continue;
     if (!found.empty()) return {};
     found = one.id;
   }
@@ -77,16 +78,28 @@ Expected<LiveParameters> LiveParameters::create(Session &session, c3de_object *s
   return made;
 }
 
-std::vector<std::pair<std::string, c3de_handle>> LiveParameters::bodies() const {
-  std::vector<std::pair<std::string, c3de_handle>> all;
+const std::vector<std::pair<std::string, c3de_handle>> &LiveParameters::bodies() const {
   c3de_handle handle{};
-  for (std::uint64_t i = 0; table_->body_at(simulator_, i, &handle) >= 0; ++i) {
+  std::size_t count = 0;
+  const auto status = simulatorStatus(table_, simulator_);
+  const std::uint64_t all = status ? status->bodies : 0;
+  // A handle keeps its name, and stating the mass of a body costs more than the call.
+  for (std::uint64_t i = 0; i < all; ++i) {
+    if (table_->body_at(simulator_, i, &handle) < 0) break;
+    if (count < bodies_.size() && bodies_[count].second.v == handle.v) {
+      ++count;
+      continue;
+    }
     c3de_sim_body_info info{};
     info.size = sizeof info;
-    if (table_->body_info(simulator_, handle, &info) >= 0) all.emplace_back(std::string(fromAbi(info.name)), handle);
+    if (table_->body_info(simulator_, handle, &info) < 0) continue;
+    bodies_.resize(count);
+    bodies_.emplace_back(std::string(fromAbi(info.name)), handle);
+    ++count;
   }
+  bodies_.resize(count);
   (void)session_->plugins().takeError();
-  return all;
+  return bodies_;
 }
 
 std::vector<LiveParameters::Parameter> LiveParameters::all() const {
@@ -100,31 +113,41 @@ std::vector<LiveParameters::Parameter> LiveParameters::all() const {
 Expected<LiveParameters::Target> LiveParameters::find(std::string_view path) const {
   const std::string text(path);
   if (isDeclared(ofWorld_, path)) return Target{{}, {}, text};
+  // Of names that begin alike, the longest.
+  std::pair<std::string, c3de_handle> best;
+  const auto &all = bodies();
+  for (const auto &body : all)
+    if (path.size() > kBody.size() + body.first.size() && path.starts_with(kBody) &&
+        path.substr(kBody.size()).starts_with(body.first) && path[kBody.size() + body.first.size()] == '.' &&
+        body.first.size() >= best.first.size())
+      best = body;
+  if (!best.first.empty()) {
+    const std::string key = text.substr(kBody.size() + best.first.size() + 1);
+    if (isDeclared(ofBody_, key)) return Target{best.first, best.second, key};
+    if (const std::string id = fullId(ofBody_, key); !id.empty()) return Target{best.first, best.second, id};
+  }
+  return tl::unexpected(unknown(text, all));
+}
+
+Error LiveParameters::unknown(const std::string &path,
+                              const std::vector<std::pair<std::string, c3de_handle>> &bodies) const {
   std::vector<std::string> known;
   for (const ParameterDecl &decl : ofWorld_) known.push_back(decl.id);
   std::string names;
-  // Of names that begin alike, the longest.
-  std::pair<std::string, c3de_handle> best;
-  for (const auto &body : bodies()) {
+  for (const auto &body : bodies) {
     names += (names.empty() ? "" : ", ") + body.first;
-    if (path.starts_with(kBody.data() + body.first + ".") && body.first.size() >= best.first.size()) best = body;
     for (const ParameterDecl &decl : ofBody_) {
       known.push_back(kBody.data() + body.first + "." + decl.id);
       if (decl.id.starts_with(kMaterial))
         known.push_back(kBody.data() + body.first + "." + decl.id.substr(kMaterial.size()));
     }
   }
-  if (!best.first.empty()) {
-    const std::string key = text.substr(kBody.size() + best.first.size() + 1);
-    if (isDeclared(ofBody_, key)) return Target{best.first, best.second, key};
-    if (const std::string id = fullId(ofBody_, key); !id.empty()) return Target{best.first, best.second, id};
-  }
-  const std::string nearest = nearestName(text, known);
-  return fail(ErrorCode::usage,
-              fmt::format("{}: there is no such parameter of the running simulation{}; bodies: {}; parameters of the "
-                          "scene itself can only be set when it is opened",
-                          displayText(text), nearest.empty() ? "" : "; did you mean '" + nearest + "'?",
-                          names.empty() ? "none" : names));
+  const std::string nearest = nearestName(path, known);
+  return {ErrorCode::usage,
+          fmt::format("{}: there is no such parameter of the running simulation{}; bodies: {}; parameters of the "
+                      "scene itself can only be set when it is opened",
+                      displayText(path), nearest.empty() ? "" : "; did you mean '" + nearest + "'?",
+                      names.empty() ? "none" : names)};
 }
 
 Error LiveParameters::reasonOf(std::string_view path, c3de_status code) const {

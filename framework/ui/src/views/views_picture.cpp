@@ -183,13 +183,17 @@ void chooseViews(ImageViews &images, FigureViews wanted) {
 }  // namespace
 
 Expected<render::Image> pictureOfViews(render::Renderer &renderer, ImageViews &images, scene::SceneGraph &scene,
-                                       const std::string &title, int width, int height) {
+                                       const std::string &title, int width, int height,
+                                       const SpaceDirection &direction) {
   if (width < 1 || height < 1) return render::paintPicture(width, height, [] {});  // its error
   WindowServices services;
   services.scene = &scene;
   services.images = images.image() != nullptr ? &images : nullptr;
   render::Camera camera;
   if (services.images) viewOfImages(camera);
+  camera.yaw = direction.yaw.value_or(camera.yaw);
+  camera.pitch = direction.pitch.value_or(camera.pitch);
+  camera.upAxis = direction.upAxis.value_or(camera.upAxis);
   ViewsPainter::Look look;
   look.width = width;
   look.height = height;

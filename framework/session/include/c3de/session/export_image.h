@@ -48,6 +48,10 @@ struct ImageWarp {
                                               const scene::MaterialLibrary &materials,
                                               const std::vector<TissueVoxels> &tissues = {});
 
+/// The image of a scene that has one. Errors: those of reading, with the line of [image].
+[[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> imageOfScene(const scene::SceneFile &scene,
+                                                                            BodySources &sources);
+
 /// Checks before the simulation begins that there is an image to provide the grid, and that the files can be written.
 /// Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
@@ -68,6 +72,11 @@ struct ImageWarp {
     const scene::SceneFile &scene, BodySources &sources);
 /// a.nrrd, a-2.nrrd, …: one file per layer.
 [[nodiscard]] std::vector<std::filesystem::path> labelFiles(const std::filesystem::path &labels, std::size_t layers);
+/// The image as writeImages() writes it: nearest-neighbour sampling of label numbers, linear interpolation otherwise.
+/// Any thread. @param threads  null: the calling thread only
+[[nodiscard]] Expected<imaging::Volume> warpedImage(const imaging::Volume &image, bool areLabels,
+                                                    const imaging::DisplacementGrid &u, const ProgressFn &progress,
+                                                    ThreadPool *threads);
 /// Warps and writes image and displacement. Any thread. Returns a text for the user: the files, and how much of the
 /// image is vacated.
 /// @param areLabels  the voxel values are label numbers: nearest-neighbour sampling, no interpolation

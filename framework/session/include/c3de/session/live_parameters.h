@@ -47,14 +47,17 @@ class LiveParameters {
   LiveParameters(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table)
       : session_(&session), simulator_(simulator), table_(table) {}
   [[nodiscard]] Expected<Target> find(std::string_view path) const;
-  [[nodiscard]] std::vector<std::pair<std::string, c3de_handle>> bodies() const;
+  [[nodiscard]] const std::vector<std::pair<std::string, c3de_handle>> &bodies() const;
+  [[nodiscard]] Error unknown(const std::string &path,
+                              const std::vector<std::pair<std::string, c3de_handle>> &bodies) const;
   [[nodiscard]] Error reasonOf(std::string_view path, c3de_status code) const;
 
   Session *session_;
   c3de_object *simulator_;
   const c3de_simulator_v1 *table_;
   std::vector<ParameterDecl> ofWorld_, ofBody_;
-  std::map<std::string, ParameterValue> world_;  ///< the simulator does not state them
+  std::map<std::string, ParameterValue> world_;                      ///< the simulator does not state them
+  mutable std::vector<std::pair<std::string, c3de_handle>> bodies_;  ///< as bodies() found them last
   bool isWorldKnown_ = true;
 };
 

@@ -45,7 +45,8 @@ struct RunOptions {
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;
-  std::optional<PictureView> view;        ///< none: four-up where the scene has an image, otherwise 3d
+  std::optional<PictureView> view;  ///< none: four-up where the scene has an image, otherwise 3d
+  PictureCamera camera;
   std::optional<PictureOverlay> overlay;  ///< none: default of PictureOverlay
   std::optional<std::uint64_t> seed;
   bool verify = false;  ///< estimate the error of the end state with a much finer solution

@@ -21,6 +21,12 @@ namespace c3de::ui {
 class ImageViews;
 struct WindowServices;
 
+/// Where the 3D view of a picture is seen from; what is not given is that of the window at its beginning.
+struct SpaceDirection {
+  std::optional<double> yaw, pitch;  ///< as render::Camera, rad
+  std::optional<render::UpAxis> upAxis;
+};
+
 /// The views of the workstation as a picture, drawn without a window by the code that draws them in a window. Slices
 /// with outlines, letters, scale bars and legends next to the 3D view, or the single view of ImageViews::maximised().
 /// Without an image only the 3D view. The 3D view shows the whole scene.
@@ -30,7 +36,7 @@ struct WindowServices;
 /// Errors: a size that cannot be drawn, no graphics memory, no font texture. Main thread.
 [[nodiscard]] Expected<render::Image> pictureOfViews(render::Renderer &renderer, ImageViews &images,
                                                      scene::SceneGraph &scene, const std::string &title, int width,
-                                                     int height);
+                                                     int height, const SpaceDirection &direction = {});
 
 /// Draws a figure of what a window shows, one view after the other, so that the window can respond in between. Views,
 /// camera and texts are those of the moment of create(). What the renderer and the services have must not change until

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "c3de/sdk/conditions.hpp"
 #include "c3de/sdk/structs.hpp"
 #include "simulator/point_sets.h"
 
@@ -80,6 +81,9 @@ constexpr c3de_changes_v1 kChangesSlots{sizeof(c3de_changes_v1), 1, slot<&Parts:
                                         slot<&Parts::changes, &Changes::apply>};
 constexpr c3de_continuation_v0 kContinuationSlots{sizeof(c3de_continuation_v0), 1,
                                                   slot<&Parts::continuation, &Continuation::continueFrom>};
+constexpr c3de_conditions_v0 kConditionSlots{
+    sizeof(c3de_conditions_v0), 1, slot<&Parts::conditionCalls, &ConditionCalls::set>,
+    slot<&Parts::conditionCalls, &ConditionCalls::remove>, slot<&Parts::conditionCalls, &ConditionCalls::state>};
 
 }  // namespace
 
@@ -89,10 +93,10 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 7> WorldSimulator::interfaces() {
-  return {sdk::interfaceOf(kSimulatorSlots),   sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots),  sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots),
-          sdk::interfaceOf(kContinuationSlots)};
+std::array<sdk::Interface, 8> WorldSimulator::interfaces() {
+  return {sdk::interfaceOf(kSimulatorSlots),    sdk::interfaceOf(kBodiesSlots),   sdk::interfaceOf(kContactSlots),
+          sdk::interfaceOf(kAttachmentSlots),   sdk::interfaceOf(kGraspSlots),    sdk::interfaceOf(kChangesSlots),
+          sdk::interfaceOf(kContinuationSlots), sdk::interfaceOf(kConditionSlots)};
 }
 
 WorldSimulator *WorldSimulator::fromAbi(c3de_object *object) {

@@ -8,6 +8,7 @@
 #include "simulator/body_verifier.h"
 #include "simulator/changing_calls.h"
 #include "simulator/checkpoints.h"
+#include "simulator/condition_calls.h"
 #include "simulator/contacts.h"
 #include "simulator/continuation.h"
 #include "simulator/grasps.h"
@@ -44,6 +45,7 @@ struct SimulatorParts {
   Checkpoints checkpoints{world, grasps};
   Changes changes{*this};
   ChangingCalls calls{*this};
+  ConditionCalls conditionCalls{*this};
 };
 
 /// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator on top of the physics. Its tables call
@@ -70,7 +72,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void phyxels(c3de_handle body, c3de_object **out);
   void surfels(c3de_handle body, c3de_object **out);
 
-  static std::array<sdk::Interface, 7> interfaces();
+  static std::array<sdk::Interface, 8> interfaces();
   /// Null if the object is of another class, or of another plugin.
   [[nodiscard]] static WorldSimulator *fromAbi(c3de_object *object);
 

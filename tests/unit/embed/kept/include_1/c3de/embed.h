@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* libc3de: simulations inside another program. Units are SI: m, kg, s, N, Pa.
+ *
+ *  - Every function returns a c3de_status: 0: success, > 0: success with a warning, < 0: failure.
+ *    c3de_embed_last_error() is the text of the last failure on the calling thread: what is wrong, where, which value,
+ *    what is accepted.
+ *  - Any thread may call. Calls to the same simulation are serialised; those to different simulations run at the same
+ *    time.
+ *  - The library prints nothing, never ends the process, installs no signal handler, and leaves locale and
+ *    floating-point environment of the caller as they are. It opens no window and uses no OpenGL.
+ *  - A struct begins with `size`, which the caller sets to sizeof: at most `size` bytes are written; members beyond
+ *    `size` of an input struct are taken as 0. New members go last. Reserved members are 0.
+ *  - Text is UTF-8, null-terminated. Text and arrays that are returned belong to the simulation and are valid until the
+ *    next call that steps, resets, changes or closes it, unless a comment says otherwise.
+ *  - c3de_sim is a number and may be copied. A closed handle makes every function return C3DE_E_STALE. */
+#ifndef C3DE_EMBED_H
+#define C3DE_EMBED_H
+
+#include "c3de/abi/base.h"
+
+#if defined(_WIN32) && !defined(C3DE_EMBED_BUILD)
+#define C3DE_EMBED_API C3DE_EXTERN_C __declspec(dllimport)
+#else
+#define C3DE_EMBED_API C3DE_EXPORT
+#endif
+
+/* Grows by 1 with every addition; functions and members are never removed. */
+#define C3DE_EMBED_REV 1u
+
+typedef uint64_t c3de_sim; /* 0: none */
+
+/* Progress of long work: fraction 0 ... 1, negative: unknown; what is being done. Any non-zero value cancels the work,
+ * which then returns C3DE_E_CANCELLED. Called on the thread that does the work. It may read the simulation if it is
+ * given one that is open, and must not step, change or close it (C3DE_E_STATE). */
+typedef int32_t(C3DE_CALL *c3de_embed_progress)(void *self, double fraction, const char *what);
+
+#define C3DE_EMBED_NO_PLUGIN_SEARCH 1u /* only plugin_files are loaded */
+
+typedef struct c3de_embed_options {
+  uint32_t size;
+  uint32_t flags;   /* C3DE_EMBED_NO_PLUGIN_SEARCH */
+  const char *file; /* a scene (.toml), a session (.c3de) or a mesh; with `text`: only the name for messages, in the
+                               * folder that relative paths refer to */
+  const char *text; /* null, or a scene as TOML that is read instead of the file */
+  const char *const *assign; /* [assign_n] "PATH=VALUE", as `c3de run --set` */
+  uint64_t assign_n;
+  const char *const *plugin_files; /* [plugin_files_n] loaded first; each must load */
+  uint64_t plugin_files_n;
+  const char *const *plugin_folders; /* [plugin_folders_n] searched before C3DE_PLUGIN_PATH, the folder of the user, and
+                                      * c3de/plugins beside the library */
+  uint64_t plugin_folders_n;
+  uint32_t threads; /* number of worker threads; 0: as many as the machine has */
+  uint32_t reserved;
+  c3de_embed_progress progress; /* may be null */
+  void *progress_self;
+} c3de_embed_options;
+
+typedef struct c3de_embed_status {
+  uint32_t size;
+  uint32_t flags;      /* C3DE_EMBED_LOAD_STEPS, C3DE_EMBED_FINISHED */
+  uint64_t steps;      /* since the initial state */
+  double time_s, dt_s; /* simulated; size of the next step */
+  uint64_t bodies;
+  uint64_t generation;    /* of views: changes with every call that may change the state */
+  uint32_t stopped;       /* bodies that stay in their last good state while the others continue; events say why */
+  uint32_t planned_steps; /* to the end; 0: unknown */
+  double wall_s;          /* spent in steps since the simulation was opened */
+} c3de_embed_status;
+
+#define C3DE_EMBED_LOAD_STEPS 1u /* quasi-static: steps increase the load, time stays 0 */
+#define C3DE_EMBED_FINISHED 2u   /* the solution is complete; further steps have no effect */
+
+/* Called after a step. fraction: completed part of the run, 0 ... 1. Any non-zero value ends the run with
+ * C3DE_E_CANCELLED; the state stays complete. */
+typedef int32_t(C3DE_CALL *c3de_embed_stepped)(void *self, const c3de_embed_status *status, double fraction);
+
+typedef struct c3de_embed_run_options {
+  uint32_t size;
+  uint32_t reserved;
+  uint64_t max_steps;         /* 0: no limit */
+  double until_s;             /* absolute simulated time to reach, ignored for quasi-static solutions; 0: no limit.
+                               * Both limits 0: until C3DE_EMBED_FINISHED, or to 1 s */
+  c3de_embed_stepped stepped; /* may be null */
+  void *stepped_self;
+  double stepped_every_s; /* wall time between two calls, at least; 0: after every step */
+} c3de_embed_run_options;
+
+#define C3DE_EMBED_NUMBER 1u  /* number */
+#define C3DE_EMBED_INTEGER 2u /* number */
+#define C3DE_EMBED_BOOL 3u    /* number: 0 or 1 */
+#define C3DE_EMBED_CHOICE 4u  /* text */
+#define C3DE_EMBED_TEXT 5u    /* text */
+#define C3DE_EMBED_VECTOR 6u  /* vector */
+
+typedef struct c3de_embed_value {
+  uint32_t size;
+  uint32_t type; /* C3DE_EMBED_NUMBER ...; a number that is "auto" is C3DE_EMBED_TEXT */
+  double number;
+  double vector[3];
+  const char *text; /* the value as text, without unit, of every type */
+} c3de_embed_value;
+
+typedef struct c3de_embed_parameter {
+  uint32_t size;
+  uint32_t type;        /* C3DE_EMBED_NUMBER ... */
+  const char *path;     /* of c3de_embed_get() and c3de_embed_set() */
+  const char *unit;     /* SI; empty: none */
+  const char *label;    /* for people */
+  const char *meaning;  /* effect of small and large values */
+  const char *accepted; /* "0 < value < 0.5", "stvk | neo_hookean" */
+} c3de_embed_parameter;
+
+typedef struct c3de_embed_body {
+  uint32_t size;
+  uint32_t reserved;
+  const char *name; /* valid until the simulation is closed */
+  uint64_t points, surface_points, triangles;
+  double mass_kg, volume_m3, spacing_m, stable_dt_s;
+} c3de_embed_body;
+
+#define C3DE_EMBED_ON_POINTS 1u  /* material points (mass) */
+#define C3DE_EMBED_ON_SURFACE 2u /* vertices of the surface mesh */
+
+typedef struct c3de_embed_field {
+  uint32_t size;
+  uint32_t comps;   /* 1; 3: a vector; 9: a matrix, column-major */
+  const char *name; /* "position" */
+  const char *unit; /* SI, "1" for a ratio */
+} c3de_embed_field;
+
+/* A view of numbers in row-major order. Its memory is valid until the next call that steps, resets, changes or closes
+ * the simulation: as long as `generation` is that of c3de_embed_get_status(). */
+typedef struct c3de_embed_array {
+  uint32_t size;
+  uint32_t dtype; /* C3DE_F64, C3DE_U32 */
+  const void *data;
+  uint32_t rank; /* 1 or 2 */
+  uint32_t reserved;
+  uint64_t shape[2];  /* rows, comps */
+  int64_t strides[2]; /* bytes */
+  const char *unit;   /* SI; valid until the simulation is closed */
+  uint64_t generation;
+} c3de_embed_array;
+
+/* Springs between a part of a body and a position that the caller moves. */
+typedef struct c3de_embed_hold {
+  uint32_t size;
+  uint32_t flags;       /* C3DE_EMBED_HOLD_SHAPE */
+  double at_m[3];       /* centre of the ball whose points are held, in the current configuration, m */
+  double radius_m;      /* > 0 */
+  double frequency_hz;  /* of the springs on the mass they hold; 0: chosen automatically */
+  double damping_ratio; /* 1: critical; 0: chosen automatically */
+  double max_force_N;   /* 0: chosen automatically such that it does not tear the body apart */
+} c3de_embed_hold;
+
+/* What is held keeps its shape; otherwise only the weighted mean position is controlled. */
+#define C3DE_EMBED_HOLD_SHAPE 1u
+
+typedef struct c3de_embed_hold_state {
+  uint32_t size;
+  uint32_t reserved;
+  double point_m[3];  /* current position of the hold point `at_m` */
+  double target_m[3]; /* where it is pulled to */
+  double force_N[3];  /* of the last step, on the body */
+  double mass_kg;     /* that is held */
+} c3de_embed_hold_state;
+
+/* ---- the library ---- */
+
+C3DE_EMBED_API uint32_t c3de_embed_revision(void);      /* C3DE_EMBED_REV of the library */
+C3DE_EMBED_API const char *c3de_embed_version(void);    /* of the product; static */
+C3DE_EMBED_API const char *c3de_embed_last_error(void); /* never null; valid until the next call on this thread */
+/* Receives messages that are not errors of a call, such as a plugin that was refused: level 0 debug, 1 information, 2
+ * warning, 3 error. Null: none. For the whole process; called on any thread, and must not call the library. */
+C3DE_EMBED_API void c3de_embed_set_log(void(C3DE_CALL *log)(void *self, int32_t level, const char *line), void *self);
+
+/* ---- opening and closing ---- */
+
+/* Builds a simulation. C3DE_E_FORMAT: a file is unreadable or refused; C3DE_E_ARG: an assignment or option;
+ * C3DE_E_NOT_FOUND: a plugin. `out` is 0 after a failure. */
+C3DE_EMBED_API c3de_status c3de_embed_open(const c3de_embed_options *options, c3de_sim *out);
+/* Cancels a run on another thread and waits for it. Returned text and views become invalid. 0: does nothing. Refused
+ * from within a callback of the simulation (C3DE_E_STATE), which then stays open. */
+C3DE_EMBED_API c3de_status c3de_embed_close(c3de_sim sim);
+
+/* ---- parameters ---- */
+
+C3DE_EMBED_API c3de_status c3de_embed_parameter_count(c3de_sim sim, uint64_t *out);
+C3DE_EMBED_API c3de_status c3de_embed_parameter_at(c3de_sim sim, uint64_t index, c3de_embed_parameter *out);
+C3DE_EMBED_API c3de_status c3de_embed_get(c3de_sim sim, const char *path, c3de_embed_value *out);
+/* text: as after `--set PATH=`. Parameters that take effect only when the scene is built are refused (C3DE_E_ARG).
+ * Nothing has changed after a refusal. */
+C3DE_EMBED_API c3de_status c3de_embed_set(c3de_sim sim, const char *path, const char *text);
+
+/* ---- running ---- */
+
+C3DE_EMBED_API c3de_status c3de_embed_get_status(c3de_sim sim, c3de_embed_status *out);
+/* Up to n steps; fewer when the solution is complete. done: steps that were made, also before a failure; may be null. A
+ * step that fails (C3DE_E_DIVERGED, C3DE_E_TIMEOUT, ...) leaves the state before it. Bodies that have stopped while
+ * others continue are no failure here: `stopped` of c3de_embed_status counts them. */
+C3DE_EMBED_API c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *done);
+/* options null: all 0. C3DE_E_DIVERGED also where bodies have stopped at the end; all steps were made then, and the
+ * state is complete. */
+C3DE_EMBED_API c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options);
+/* Ends the step or run of another thread with C3DE_E_CANCELLED, within a second or so; without one it has no effect.
+ * Does not wait. A build that c3de_embed_open() makes is cancelled by its progress function. */
+C3DE_EMBED_API c3de_status c3de_embed_cancel(c3de_sim sim);
+C3DE_EMBED_API c3de_status c3de_embed_reset(c3de_sim sim); /* to the initial state, bit for bit */
+/* Hash of the complete simulation state: equal to `state_hash` in the report of `c3de run` after the same steps. */
+C3DE_EMBED_API c3de_status c3de_embed_state_hash(c3de_sim sim, uint64_t *out);
+
+/* ---- bodies and fields ---- */
+
+C3DE_EMBED_API c3de_status c3de_embed_body_at(c3de_sim sim, uint64_t index, c3de_embed_body *out);
+C3DE_EMBED_API c3de_status c3de_embed_find_body(c3de_sim sim, const char *name, uint64_t *index); /* C3DE_E_NOT_FOUND */
+/* on: C3DE_EMBED_ON_POINTS or C3DE_EMBED_ON_SURFACE. C3DE_E_NOT_FOUND after the last. */
+C3DE_EMBED_API c3de_status c3de_embed_field_at(c3de_sim sim, uint64_t body, uint32_t on, uint64_t index,
+                                               c3de_embed_field *out);
+/* A field as f64. Every body has "position" and "reference_position" (m), and "displacement", their difference. The
+ * simulator writes the numbers once after a change of the state; further calls return the same memory. */
+C3DE_EMBED_API c3de_status c3de_embed_view_field(c3de_sim sim, uint64_t body, uint32_t on, const char *name,
+                                                 c3de_embed_array *out);
+/* The same into caller-provided memory, contiguous, [rows][comps] f64. bytes: of that memory; C3DE_E_ARG if it is
+ * another size. */
+C3DE_EMBED_API c3de_status c3de_embed_read_field(c3de_sim sim, uint64_t body, uint32_t on, const char *name,
+                                                 double *data, uint64_t bytes);
+/* Surface triangles, u32, between points of the surface, outwards by the right-hand rule. */
+C3DE_EMBED_API c3de_status c3de_embed_view_triangles(c3de_sim sim, uint64_t body, c3de_embed_array *out);
+
+/* ---- events, report, states ---- */
+
+C3DE_EMBED_API c3de_status c3de_embed_events(c3de_sim sim, const char **json); /* array of {time_s, kind, text} */
+C3DE_EMBED_API c3de_status c3de_embed_report(c3de_sim sim, const char **json); /* as `c3de run --report` */
+C3DE_EMBED_API c3de_status c3de_embed_save_state(c3de_sim sim, const char *file);
+/* Of the same scene; every step after it is as it was after saving, bit for bit. Nothing changes on an error. */
+C3DE_EMBED_API c3de_status c3de_embed_load_state(c3de_sim sim, const char *file);
+/* A session (.c3de) with scene, changes and state, for `c3de FILE.c3de`, `c3de run` and c3de_embed_open(). */
+C3DE_EMBED_API c3de_status c3de_embed_save_session(c3de_sim sim, const char *file);
+
+/* ---- pulling and holding ---- */
+
+/* Positions are in m in the frame of the world, forces in N. C3DE_E_UNSUPPORTED: the simulator cannot hold bodies;
+ * C3DE_E_STALE: the hold has ended, because it was released or the simulation was reset. */
+
+/* Attaches springs to the points of a body in a ball; their target is `at_m` until c3de_embed_pull(). C3DE_E_NOT_FOUND:
+ * there is no such body; C3DE_E_ARG: a value of `hold` is refused; C3DE_E_STATE: the body cannot be pulled, as a fixed
+ * rigid one. */
+C3DE_EMBED_API c3de_status c3de_embed_hold_body(c3de_sim sim, uint64_t body, const c3de_embed_hold *hold,
+                                                uint64_t *out);
+/* target_m: [3], position that the hold point `at_m` is pulled to from the next step on. C3DE_E_ARG: not finite. */
+C3DE_EMBED_API c3de_status c3de_embed_pull(c3de_sim sim, uint64_t hold, const double *target_m);
+/* Position of the hold point, its target, the force on the body in the last step, and the mass that is held (kg). */
+C3DE_EMBED_API c3de_status c3de_embed_hold_read(c3de_sim sim, uint64_t hold, c3de_embed_hold_state *out);
+/* Removes the springs. */
+C3DE_EMBED_API c3de_status c3de_embed_release(c3de_sim sim, uint64_t hold);
+
+#endif
