@@ -180,38 +180,43 @@ bool Stepper::mayTouchItself(std::size_t id, double dt) {
   if (bound->clearance > 0.0) return false;
   SkinPair *own = state_.skins.ownPair(id);
   if (own != nullptr && !own->active().empty()) return true;
-  // Load increments have no velocities: the next one is assumed to be like the last one.
-  const State &state = body.state();
-  std::vector<Vec3> ofLoad;
-  if (state_.quasiStatic()) ofLoad = lastIncrement(body);
-  const auto move = [&](SkinPair &pair) {
-    pair.moving(0).move(state.displacements, state_.quasiStatic() ? ofLoad : state.velocities, body.rest().maxInfluence,
-                        state_.quasiStatic() ? 1.0 : dt);
-  };
-  if (own != nullptr) {
-    move(*own);
-    if (const std::optional<bool> predicted = own->predictedContact()) return *predicted;
-  }
-  const SkinContacts::Owner owner = SkinContacts::ownerOf(id, body, state_.contact.pairs);
-  const auto isClear = [&] {
-    bound->measure(state.displacements);
-    if (!state_.quasiStatic()) travel = 2.0 * kSpeedFactor * dt * deformingSpeed(body, *bound);
-    bound->clearance -= travel;
-    return bound->clearance > 0.0;
-  };
-  if (isClear()) return false;
-  if (bound->skin == nullptr) {
-    bound = &state_.skins.measuredSelfContactBound(owner);
+  const auto predictContact = [&]() -> bool {
+    // Load increments have no velocities: the next one is assumed to be like the last one.
+    const State &state = body.state();
+    std::vector<Vec3> ofLoad;
+    if (state_.quasiStatic()) ofLoad = lastIncrement(body);
+    const auto move = [&](SkinPair &pair) {
+      pair.moving(0).move(state.displacements, state_.quasiStatic() ? ofLoad : state.velocities,
+                          body.rest().maxInfluence, state_.quasiStatic() ? 1.0 : dt);
+    };
+    if (own != nullptr) {
+      move(*own);
+      if (const std::optional<bool> predicted = own->predictedContact()) return *predicted;
+    }
+    const SkinContacts::Owner owner = SkinContacts::ownerOf(id, body, state_.contact.pairs);
+    const auto isClear = [&] {
+      bound->measure(state.displacements);
+      if (!state_.quasiStatic()) travel = 2.0 * kSpeedFactor * dt * deformingSpeed(body, *bound);
+      bound->clearance -= travel;
+      return bound->clearance > 0.0;
+    };
     if (isClear()) return false;
-  }
-  if (!bound->isResolved()) {
-    monitor_->reportUnresolvedThickness(id, bound->thickness);
-    bound->clearance = std::numeric_limits<double>::infinity();
-    return false;
-  }
-  SkinPair &pair = state_.skins.pairOf(owner, owner, state_.contact.settings.friction);
-  move(pair);
-  return pair.recomputePredictedContact();
+    if (bound->skin == nullptr) {
+      bound = &state_.skins.measuredSelfContactBound(owner);
+      if (isClear()) return false;
+    }
+    if (!bound->isResolved()) {
+      monitor_->reportUnresolvedThickness(id, bound->thickness);
+      bound->clearance = std::numeric_limits<double>::infinity();
+      return false;
+    }
+    SkinPair &pair = state_.skins.pairOf(owner, owner, state_.contact.settings.friction);
+    move(pair);
+    return pair.recomputePredictedContact();
+  };
+  bool isPredicted = false;
+  state_.clock.measure(kContact, [&] { isPredicted = predictContact(); });
+  return isPredicted;
 }
 
 void Stepper::buildIslands(double dt) {
