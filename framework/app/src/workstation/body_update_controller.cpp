@@ -7,6 +7,7 @@
 
 #include "c3de/abi/log.h"
 #include "c3de/core/log.h"
+#include "c3de/session/body_creation.h"
 
 namespace c3de::app {
 namespace {
@@ -44,6 +45,8 @@ void BodyUpdateController::update(const std::string &body, std::shared_ptr<const
 void BodyUpdateController::begin(Request request) {
   scene::Simulation *simulation = parts_.session.simulation();
   if (!simulation) return onFailed(request, {ErrorCode::state, "there is no simulation"});
+  if (!bodyNames(parts_.session).contains(request.body))
+    return onFailed(request, {ErrorCode::usage, "the simulation has no body of this name any more"});
   if (const std::string reason = prepare_(); !reason.empty()) return onFailed(request, {ErrorCode::state, reason});
   isRunning_ = true;
   request.isPlaying = simulation->state().mode == C3DE_SIM_PLAYING;

@@ -40,7 +40,8 @@ std::pair<double, double> extentToTheBack(const imaging::Mask &mask) {
   return {low, high};
 }
 
-// Names of the bodies in the present simulation.
+}  // namespace
+
 std::set<std::string> bodyNames(Session &session) {
   std::set<std::string> names;
   const scene::SceneGraph &graph = session.sceneGraph();
@@ -50,8 +51,6 @@ std::set<std::string> bodyNames(Session &session) {
       names.insert(node->name);
   return names;
 }
-
-}  // namespace
 
 scene::SceneFile sceneWithoutBodies() {
   scene::SceneFile scene;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,8 @@ class BodyCreation {
 
 /// "liver, spleen and stomach"; of more than four names the first three: "liver, spleen, stomach and 2 more".
 [[nodiscard]] std::string namesOf(const std::vector<segmentation::BodyRequest> &requests);
+/// Of the bodies in the present simulation. Main thread.
+[[nodiscard]] std::set<std::string> bodyNames(Session &session);
 /// The initial world for bodies from a scan: no gravity, damped, no body yet.
 [[nodiscard]] scene::SceneFile sceneWithoutBodies();
 /// The request as a scene of one body. @param preset  null: the simulator's default values
