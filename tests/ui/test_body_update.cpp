@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mask of a body is corrected while the body is simulated.
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <filesystem>
+#include <vector>
 
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
@@ -42,7 +42,8 @@ fs::path phantomFile() {
 double numberIn(const Json &state, const std::string &name) { return std::strtod(row(state, name).c_str(), nullptr); }
 
 /// A body "liver" of the ellipsoid, at rest under gravity along y.
-void createLiver(WorkstationDriver &window) {
+/// @param points  its target count; empty: automatic
+void createLiver(WorkstationDriver &window, const std::string &points = {}) {
   window.start({phantomFile().string()});
   C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
   window.enterNumber("segmentation/low", "60");
@@ -52,6 +53,10 @@ void createLiver(WorkstationDriver &window) {
   window.type("liver");
   window.key("Return");
   window.waitForValue("segmentation/material", "liver");
+  if (!points.empty()) {
+    window.click("segmentation/count_automatic");
+    window.enterNumber("segmentation/points", points);
+  }
   window.click("segmentation/create");
   C3DE_WAIT(window, "the body is created", s["jobs"].empty() && mode(s) == "playing" && s["transport"]["time_s"] > 0.0);
   window.enterNumber(kPanel + "world.gravity", "9.81");
@@ -128,4 +133,33 @@ TEST_CASE("strokes change a body that is simulated; it keeps its deformation, an
   window.start({session.string()});
   C3DE_WAIT(window, "the session is opened",
             s["jobs"].empty() && row(s, "Volume") + ", " + row(s, "Elastic energy") == updatedRows);
+}
+
+// Not a test of ctest: prints the times of nine strokes with 3 000 points.
+TEST_CASE("times from a stroke to the updated body", "[.body_update_times]") {
+  C3DE_WINDOW_OR_SKIP();
+  const ScopedEnvironment user("C3DE_HOME", freshHome("body_update_times").string());
+  WorkstationDriver window("body_update_times");
+  createLiver(window, "3000");
+  window.choose("segmentation/edit_body", "liver");
+  C3DE_WAIT(window, "the mask of the body is picked", textOf(s, "segmentation/update_live") == "false");
+  window.click("segmentation/update_live");
+  window.moveTo(window.inSlice("axial", 0, 0));
+  window.key("k");
+  C3DE_WAIT(window, "the brush is active", s["tool"] == "segmentation.brush");
+  std::vector<double> times_ms;
+  std::string last;
+  for (int i = 0; i < 9; ++i) {
+    const double y = -20.0 + 5.0 * i;
+    window.drag(window.inSlice("axial", 30, y), window.inSlice("axial", 46, y), 4);
+    const Json s = window.waitUntil("the body is updated", [&](const Json &state) {
+      const Json message = notification(state, "Body updated: liver");
+      return state["jobs"].empty() && message.is_object() && message["text"] != last;
+    });
+    last = notification(s, "Body updated: liver")["text"].get<std::string>();
+    times_ms.push_back(std::strtod(last.c_str(), nullptr));
+  }
+  std::sort(times_ms.begin(), times_ms.end());
+  WARN("median " << times_ms[4] << " ms, " << times_ms.front() << " … " << times_ms.back() << " ms, "
+                 << row(window.state(), "Phyxels") << " phyxels");
 }
