@@ -171,6 +171,13 @@ class Simulation {
     check(status);
     return done();
   }
+  /// An interface of the simulator.
+  template <class Table>
+  const Table *table(std::string_view id) {
+    const void *found = nullptr;
+    REQUIRE(self->vt->query(self, {id.data(), id.size()}, 1, &found) == C3DE_OK);
+    return static_cast<const Table *>(found);
+  }
   /// Repeats a change at its step.
   void repeat(const Recorded &change) {
     INFO(change.id << " at step " << change.steps);
@@ -192,12 +199,6 @@ class Simulation {
   std::string error;
 
  private:
-  template <class Table>
-  const Table *table(std::string_view id) {
-    const void *found = nullptr;
-    REQUIRE(self->vt->query(self, {id.data(), id.size()}, 1, &found) == C3DE_OK);
-    return static_cast<const Table *>(found);
-  }
   static void C3DE_CALL changed(void *observer, const c3de_sim_change *change) {
     static_cast<Simulation *>(observer)->record.push_back(
         {std::string(sdk::text(change->id)), std::string(sdk::text(change->key)), std::string(sdk::text(change->text)),
