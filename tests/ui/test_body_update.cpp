@@ -122,6 +122,26 @@ TEST_CASE("strokes change a body that is simulated; it keeps its deformation, an
               s["jobs"].empty() && row(s, "Volume") == row(second, "Volume") &&
                   textOf(s, "segmentation/Picked") == textOf(second, "segmentation/Picked"));
 
+    // Two changes, then the button: undo reverts both.
+    window.click("segmentation/update_live");
+    window.drag(window.inSlice("coronal", -34, 20), window.inSlice("coronal", -50, 20), 4);
+    const Json third =
+        C3DE_WAIT(window, "a stroke is painted",
+                  s["jobs"].empty() && textOf(s, "segmentation/Steps").ends_with("painted, painted, painted"));
+    window.drag(window.inSlice("coronal", -34, -20), window.inSlice("coronal", -50, -20), 4);
+    C3DE_WAIT(window, "another stroke is painted",
+              s["jobs"].empty() && textOf(s, "segmentation/Picked") != textOf(third, "segmentation/Picked"));
+    CHECK(row(window.state(), "Volume") == row(second, "Volume"));
+    window.click("segmentation/update");
+    C3DE_WAIT(window, "both are applied",
+              s["jobs"].empty() && !row(s, "Volume").empty() && row(s, "Volume") != row(second, "Volume") &&
+                  s["transport"]["steps"] == paused["transport"]["steps"]);
+    window.moveTo(window.inView(0.5, 0.9));
+    window.key("ctrl+z");
+    C3DE_WAIT(window, "both are undone",
+              s["jobs"].empty() && row(s, "Volume") == row(second, "Volume") &&
+                  textOf(s, "segmentation/Picked") == textOf(second, "segmentation/Picked"));
+
     window.key("ctrl+s");
     window.enterFile(session);
     waitForMessage(window, "Session saved");
@@ -162,4 +182,28 @@ TEST_CASE("times from a stroke to the updated body", "[.body_update_times]") {
   std::sort(times_ms.begin(), times_ms.end());
   WARN("median " << times_ms[4] << " ms, " << times_ms.front() << " … " << times_ms.back() << " ms, "
                  << row(window.state(), "Phyxels") << " phyxels");
+}
+
+TEST_CASE("a stroke that is being drawn while a body is updated is kept", "[body_update_drawing]") {
+  C3DE_WINDOW_OR_SKIP();
+  const ScopedEnvironment user("C3DE_HOME", freshHome("body_update_drawing").string());
+  WorkstationDriver window("body_update_drawing");
+  createLiver(window);
+  window.choose("segmentation/edit_body", "liver");
+  C3DE_WAIT(window, "the mask of the body is picked", textOf(s, "segmentation/update_live") == "false");
+  window.click("segmentation/update_live");
+  window.moveTo(window.inSlice("axial", 0, 0));
+  window.key("k");
+  C3DE_WAIT(window, "the brush is active", s["tool"] == "segmentation.brush");
+  window.drag(window.inSlice("axial", 34, 0), window.inSlice("axial", 50, 0), 4);
+  window.moveTo(window.inSlice("axial", -34, 0));
+  window.press();
+  window.moveTo(window.inSlice("axial", -50, 0));
+  waitForMessage(window, "Body updated: liver");
+  C3DE_WAIT(window, "the first stroke is applied", s["jobs"].empty());
+  CHECK(window.state()["tool"] == "segmentation.brush");
+  window.release();
+  C3DE_WAIT(window, "the second stroke is painted",
+            s["jobs"].empty() && textOf(s, "segmentation/Steps").ends_with("painted, painted"));
+  window.key("ctrl+q");
 }

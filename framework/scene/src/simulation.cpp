@@ -153,8 +153,6 @@ void Simulation::Impl::begin(Command &command) {
 
 void Simulation::Impl::run() {
   lowerThreadPriority();
-  readStatus();
-  if (status.steps > 0) mode = C3DE_SIM_PAUSED;  // it continues from a saved state
   publish();
   std::vector<Command> commands;
   for (;;) {
@@ -391,6 +389,9 @@ Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
   if (!made) return made;
   Impl *impl = (*made)->impl_.get();
   impl->isSteppedByCaller = false;
+  impl->readStatus();
+  if (impl->status.steps > 0) impl->mode = C3DE_SIM_PAUSED;  // it continues from a saved state
+  impl->show();
   impl->thread = std::thread([impl] { impl->run(); });
   return made;
 }

@@ -30,6 +30,8 @@ void MaskEditor::setSources(MaskSources sources) {
   waiting_.clear();
   states_.clear();
   done_ = 0;
+  dropped_ = 0;
+  ++history_;
   isCut_ = false;
   shown_ = {};
   problem_.clear();
@@ -117,6 +119,7 @@ void MaskEditor::restore(std::shared_ptr<const imaging::Mask> mask, const MaskSt
   problem_.clear();
   running_ = step;
   isStepRunning_ = true;
+  ++history_;
   submit(
       "Segmentation: " + step.text(),
       [mask = std::move(mask)](const ProgressFn &) -> Expected<imaging::Mask> { return *mask; }, nullptr,
@@ -124,6 +127,7 @@ void MaskEditor::restore(std::shared_ptr<const imaging::Mask> mask, const MaskSt
         states_.clear();
         states_.push_back({step, result.packed});
         done_ = 1;
+        dropped_ = 0;
         isCut_ = true;  // what came before is not known any more
       });
   changed_();
@@ -156,17 +160,18 @@ void MaskEditor::record(State state) {
     bytes += it->mask ? it->mask->bytes() : 0;
   if (const std::size_t dropped = states_.size() - kept; dropped > 0) {
     states_.erase(states_.begin(), states_.begin() + static_cast<std::ptrdiff_t>(dropped));
+    dropped_ += dropped;
     isCut_ = true;
   }
   done_ = states_.size();
 }
 
-void MaskEditor::undo() {
-  if (canUndo()) goTo(done_ - 1);
+void MaskEditor::undo(std::size_t steps) {
+  if (canUndo() && steps > 0 && done_ - (isCut_ ? 1u : 0u) >= steps) goTo(done_ - steps);
 }
 
-void MaskEditor::redo() {
-  if (canRedo()) goTo(done_ + 1);
+void MaskEditor::redo(std::size_t steps) {
+  if (canRedo() && steps > 0 && states_.size() - done_ >= steps) goTo(done_ + steps);
 }
 
 void MaskEditor::goTo(std::size_t done) {

@@ -343,7 +343,32 @@ void SegmentationWorkflow::onMaskChanged() {
     }
   }
   if (events_.maskChanged) events_.maskChanged();
-  if (isUpdatedLive_) updateBody();
+  if (isUpdatedLive_ && isEditingBody() && mask_.mask() != requested_) updateBody();
+}
+
+bool SegmentationWorkflow::isEditingBody() const {
+  if (!presentBody() || editedBody_ != settings_.name) return false;
+  const std::vector<MaskStep> steps = mask_.steps();
+  const auto source =
+      std::find_if(steps.rbegin(), steps.rend(), [](const MaskStep &step) { return step.ignoresPreviousMask(); });
+  // What it was taken from may have been dropped from a long history.
+  return source == steps.rend() || source->kind == MaskStep::Kind::restored;
+}
+
+bool SegmentationWorkflow::undoUpdate(const MaskRange &range) {
+  if (range.history != mask_.history() || mask_.position() <= range.from || mask_.isBusy()) return false;
+  followsUndo_ = true;
+  mask_.undo(mask_.position() - range.from);
+  bodyPosition_ = range.from;
+  return true;
+}
+
+bool SegmentationWorkflow::redoUpdate(const MaskRange &range) {
+  if (range.history != mask_.history() || mask_.position() >= range.to || mask_.isBusy()) return false;
+  followsUndo_ = true;
+  mask_.redo(range.to - mask_.position());
+  bodyPosition_ = range.to;
+  return true;
 }
 
 const SegmentationWorkflow::ExistingBody *SegmentationWorkflow::presentBody() const {
@@ -357,6 +382,8 @@ void SegmentationWorkflow::editBody(const std::string &name) {
   const auto found =
       std::find_if(bodies_.begin(), bodies_.end(), [&name](const ExistingBody &body) { return body.name == name; });
   if (found == bodies_.end()) return;
+  editedBody_ = name;
+  bodyPosition_ = 1;
   restore({found->mask, {}, name, settings_.low, settings_.high});
 }
 
@@ -378,7 +405,11 @@ bool SegmentationWorkflow::areEqual(const std::shared_ptr<const imaging::Mask> &
 }
 
 void SegmentationWorkflow::updateBody() {
-  if (events_.update && updateReason().empty()) events_.update(settings_.name, mask_.mask());
+  if (!events_.update || !updateReason().empty()) return;
+  requested_ = mask_.mask();
+  const std::size_t position = mask_.position();
+  const std::size_t from = isEditingBody() ? std::min(bodyPosition_, position) : position;
+  events_.update(settings_.name, mask_.mask(), {mask_.history(), from, position});
 }
 
 render::Colour SegmentationWorkflow::colour() const {

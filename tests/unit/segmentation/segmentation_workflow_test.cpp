@@ -357,34 +357,62 @@ TEST_CASE("The mask of a body is edited, and the body follows on request or with
   f.guide.updateBody();
   CHECK(f.updated.empty());
 
+  // A mask that was picked otherwise is not followed.
+  f.guide.setUpdatedLive(true);
   f.guide.applyStep(Kind::largest);
   f.settle();
   CHECK(f.guide.updateReason().empty());
+  CHECK_FALSE(f.guide.isEditingBody());
   CHECK(f.updated.empty());
   f.guide.updateBody();
   REQUIRE(f.updated.size() == 1);
   CHECK(f.updated.front().first == "spleen");
   CHECK(f.updated.front().second == f.guide.mask().mask());
+  CHECK(f.range.from == f.range.to);
   f.guide.setBodies({{"spleen", f.guide.mask().mask()}});
-
-  f.guide.setUpdatedLive(true);
-  f.guide.applyStep(Kind::fillHoles);
-  f.settle();
-  CHECK(f.updated.size() == 2);
-  // Undo makes another object with equal voxels: the body is up to date.
-  f.guide.undo();
-  f.settle();
-  CHECK(f.updated.size() == 2);
-  CHECK_THAT(f.guide.updateReason(), Contains("that of the body"));
-  f.guide.setName("another");
-  f.guide.undo();
-  f.settle();
-  CHECK(f.updated.size() == 2);
 
   f.guide.editBody("spleen");
   f.settle();
-  CHECK(f.guide.settings().name == "spleen");
+  CHECK(f.guide.isEditingBody());
   CHECK(f.voxels() == Fixture::kLarge);
+  CHECK(f.updated.size() == 1);
+  f.guide.applyStep(Kind::fillHoles);
+  f.settle();
+  REQUIRE(f.updated.size() == 2);
+  CHECK(f.range.to == f.range.from + 1);
+  const auto filled = f.range;
+  // Refused, or waiting: not again without a change.
+  f.guide.setName("spleen");
+  f.guide.setLow(60.0);
+  f.settle();
+  CHECK_FALSE(f.guide.isEditingBody());
+  f.guide.undo();
+  f.settle();
+  CHECK(f.guide.isEditingBody());
+  // Undo makes another object with equal voxels: the body is up to date.
+  REQUIRE(f.guide.undoUpdate(filled));
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  CHECK_THAT(f.guide.updateReason(), Contains("that of the body"));
+  REQUIRE(f.guide.redoUpdate(filled));
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK_FALSE(f.guide.redoUpdate(filled));
+  // Two changes at once.
+  f.guide.setUpdatedLive(false);
+  f.guide.setBodies({{"spleen", f.guide.mask().mask()}});
+  f.guide.onBodyUpdated(filled);
+  f.guide.paint({{0, 0, 0}}, {0, 0, 1});
+  f.guide.paint({{95, 0, 0}}, {0, 0, 1});
+  f.settle();
+  f.guide.updateBody();
+  REQUIRE(f.range.to == f.range.from + 2);
+  REQUIRE(f.guide.undoUpdate(f.range));
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  f.guide.editBody("spleen");
+  f.settle();
+  CHECK_FALSE(f.guide.undoUpdate(filled));  // another history
 }
 
 TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {

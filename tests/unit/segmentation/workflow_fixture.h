@@ -30,14 +30,17 @@ struct Fixture {
   }();
   std::vector<BodyRequest> made;
   std::vector<std::pair<std::string, std::shared_ptr<const imaging::Mask>>> updated;
+  SegmentationWorkflow::MaskRange range;  ///< of the last of them
   int changes = 0;
   SegmentationWorkflow guide{
       jobs,
       "test",
       materials,
       {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); },
-       [this](const std::string &body, std::shared_ptr<const imaging::Mask> mask) {
+       [this](const std::string &body, std::shared_ptr<const imaging::Mask> mask,
+              const SegmentationWorkflow::MaskRange &steps) {
          updated.emplace_back(body, std::move(mask));
+         range = steps;
        }}};
   std::string scene;  ///< requested by `scan`
   ScanBody scan{jobs, "test", materials, [this](const std::string &text) { scene = text; }};

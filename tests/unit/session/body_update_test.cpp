@@ -40,9 +40,9 @@ TEST_CASE("Bodies of masks are listed, and the mask of the last one of a name is
   change.id = "body.parameter";
   const SimulationSource source{sceneOf("liver", first), change, sceneOf("liver", second), sceneOf("tumour", nullptr)};
   const std::vector<MaskedBody> bodies = maskedBodies(source);
-  REQUIRE(bodies.size() == 2);
-  CHECK(bodies[1].name == "liver");
-  CHECK(bodies[1].mask == second);
+  REQUIRE(bodies.size() == 1);
+  CHECK(bodies[0].name == "liver");
+  CHECK(bodies[0].mask == second);
 
   const auto changed = withMask(source, "liver", corrected);
   REQUIRE(changed);

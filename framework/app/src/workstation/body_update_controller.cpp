@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "c3de/abi/log.h"
@@ -12,7 +14,8 @@
 namespace c3de::app {
 namespace {
 
-constexpr int kTries = 3;  // while the user changes parameters meanwhile
+constexpr int kMaxAttempts = 3;  // if parameters change during the build
+constexpr const char *kProgramOwner = "c3de";
 
 std::string energyText(double joule) {
   if (std::abs(joule) < 1e-3) return fmt::format("{:.3g} µJ", 1e6 * joule);
@@ -21,80 +24,98 @@ std::string energyText(double joule) {
 
 }  // namespace
 
+void BodyUpdateController::onFrame() {
+  showBodies();
+  if (next_ && !isRunning_ && !parts_.loader.isLoading() && !parts_.history.isBusy())
+    begin(*std::exchange(next_, std::nullopt));
+}
+
 void BodyUpdateController::showBodies() {
   const std::shared_ptr<ChangeLog> log = parts_.session.changes();
   const std::uint64_t count = log ? log->count() : 0;
-  if (log.get() == shownLog_ && count == shownCount_) return;
-  shownLog_ = log.get();
+  std::set<std::string> names = bodyNames(parts_.session);
+  if (log == shownLog_ && count == shownCount_ && names == shownNames_) return;
+  if (log != shownLog_ || count != shownCount_) masked_ = log ? maskedBodies(log->source()) : std::vector<MaskedBody>();
+  shownLog_ = log;
   shownCount_ = count;
+  shownNames_ = std::move(names);
   std::vector<segmentation::SegmentationWorkflow::ExistingBody> bodies;
-  if (log)
-    for (MaskedBody &body : maskedBodies(log->source())) bodies.push_back({std::move(body.name), std::move(body.mask)});
+  for (const MaskedBody &body : masked_)
+    if (shownNames_.contains(body.name)) bodies.push_back({body.name, body.mask});
   parts_.images.workflow().setBodies(std::move(bodies));
 }
 
-void BodyUpdateController::update(const std::string &body, std::shared_ptr<const imaging::Mask> mask) {
-  Request request{body, std::move(mask), Clock::now()};
-  request.isOfStroke = parts_.images.workflow().isUpdatedLive();
-  if (isRunning_)
-    next_ = std::move(request);
-  else
-    begin(std::move(request));
+void BodyUpdateController::update(const std::string &body, std::shared_ptr<const imaging::Mask> mask,
+                                  const MaskRange &range) {
+  Request request{body, std::move(mask), Clock::now(), range};
+  // Undo of the later one reverts the changes of both.
+  if (next_ && next_->body == body && next_->range.history == range.history)
+    request.range.from = std::min(range.from, next_->range.from);
+  next_ = std::move(request);
 }
 
 void BodyUpdateController::begin(Request request) {
   scene::Simulation *simulation = parts_.session.simulation();
-  if (!simulation) return onFailed(request, {ErrorCode::state, "there is no simulation"});
+  request.log = parts_.session.changes();
+  if (!simulation || !request.log) return onFailed(request, {ErrorCode::state, "there is no simulation"});
   if (!bodyNames(parts_.session).contains(request.body))
     return onFailed(request, {ErrorCode::usage, "the simulation has no body of this name any more"});
-  if (const std::string reason = prepare_(); !reason.empty()) return onFailed(request, {ErrorCode::state, reason});
+  if (const std::string reason = blockingReason_(); !reason.empty())
+    return onFailed(request, {ErrorCode::state, reason});
   isRunning_ = true;
-  request.isPlaying = simulation->state().mode == C3DE_SIM_PLAYING;
-  parts_.history.captureBefore([this, request = std::move(request)](std::uint64_t) { build(request); });
+  request.changes = request.log->count();
+  parts_.history.captureBefore(
+      [this, request = std::move(request)](std::uint64_t capture) { build(request, capture); });
 }
 
-void BodyUpdateController::build(const Request &request) {
+void BodyUpdateController::build(const Request &request, std::uint64_t capture) {
   scene::Simulation *simulation = parts_.session.simulation();
-  const std::shared_ptr<ChangeLog> log = parts_.session.changes();
-  if (!simulation || !log) return onFailed(request, {ErrorCode::state, "the simulation was closed"});
-  const CapturedState *before = parts_.history.before();
-  if (before == nullptr) return onFailed(request, {ErrorCode::state, parts_.history.notCaptured()});
-  auto source = withMask(before->source, request.body, request.mask);
+  if (!simulation || parts_.session.changes() != request.log)
+    return onFailed(request, {ErrorCode::state, "the simulation was closed"});
+  const auto before = parts_.history.before(capture);
+  if (!before) return onFailed(request, before.error());
+  auto source = withMask((*before)->source, request.body, request.mask);
   if (!source) return onFailed(request, source.error());
   auto opened = std::make_shared<WorkstationLoader::OpenedSession>();
   opened->action = "update " + request.body;
   if (const scene::Node *node = parts_.session.sceneGraph().find(parts_.session.simulationNode()))
     opened->title = node->name;
-  opened->saved.simulatorClass = before->identity.classId;
+  opened->saved.simulatorClass = (*before)->identity.classId;
   opened->source = std::move(*source);
   c3de_object *object = simulation->object();
   object->vt->retain(object);
   opened->continuesFrom = std::make_shared<ObjectRef>(object);
   opened->continued = std::make_shared<std::vector<ContinuedBody>>();
-  opened->isOutdated = [this, object, log, count = log->count()] {
-    const scene::Simulation *present = parts_.session.simulation();
-    return !present || present->object() != object || log->count() != count;
+  const auto isOutdated = [this, request] {
+    return parts_.session.changes() != request.log || request.log->count() != request.changes;
+  };
+  opened->isOutdated = [this, isOutdated] {
+    if (const scene::Simulation *present = parts_.session.simulation())
+      isPlaying_ = present->state().mode == C3DE_SIM_PLAYING;
+    return isOutdated();
   };
   parts_.loader.openSession(
-      opened, true,
-      [this, request, continued = opened->continued, isOutdated = opened->isOutdated](const Expected<void> &result) {
+      opened, true, [this, request, isOutdated, continued = opened->continued](const Expected<void> &result) {
         if (result) return onBuilt(request, *continued);
-        scene::Simulation *present = parts_.session.simulation();
-        if (result.error().code != ErrorCode::cancelled && present && isOutdated() && request.tries + 1 < kTries) {
-          Request again = request;
-          ++again.tries;
-          return begin(std::move(again));
-        }
-        onFailed(request, result.error());
+        const bool isChanged = parts_.session.changes() == request.log && isOutdated();
+        if (!isChanged || result.error().code == ErrorCode::cancelled || request.attempts + 1 >= kMaxAttempts)
+          return onFailed(request, result.error());
+        Request again = request;
+        ++again.attempts;
+        begin(std::move(again));
       });
 }
 
 void BodyUpdateController::onBuilt(const Request &request, const std::vector<ContinuedBody> &bodies) {
-  parts_.tools.cancelActive();  // the tissue that a tool held belongs to the earlier body
+  // Tissue that a tool held belongs to the earlier body. The tools of the program hold none, and a stroke goes on.
+  if (const registry::Tool *tool = parts_.tools.find(parts_.tools.active()); tool && tool->owner != kProgramOwner)
+    parts_.tools.cancelActive();
+  const bool hasChanges = request.range.to > request.range.from;
   using MaskUndo = SimulationHistory::MaskUndo;
-  parts_.history.add("update " + request.body, request.isOfStroke ? MaskUndo::ofStroke : MaskUndo::none);
+  parts_.history.add("update " + request.body, hasChanges ? MaskUndo::ofUpdate : MaskUndo::none, request.range);
+  parts_.images.workflow().onBodyUpdated(request.range);
   parts_.sessions.onReplaced();
-  if (request.isPlaying) parts_.session.simulation()->transport(C3DE_TRANSPORT_PLAY);
+  if (isPlaying_) parts_.session.simulation()->transport(C3DE_TRANSPORT_PLAY);
   const double took_ms = std::chrono::duration<double, std::milli>(Clock::now() - request.requested).count();
   std::string text = fmt::format("{:.0f} ms after the request. It continues with its present deformation.", took_ms);
   for (const ContinuedBody &body : bodies)
@@ -103,17 +124,16 @@ void BodyUpdateController::onBuilt(const Request &request, const std::vector<Con
                           energyText(body.energyAfter_J));
   parts_.panels.notify(C3DE_LOG_INFO, "Body updated: " + request.body, text, {}, registry::About::simulation);
   log(LogLevel::info, "body updated: " + request.body + "; " + text);
-  end();
+  isRunning_ = false;
 }
 
 void BodyUpdateController::onFailed(const Request &request, const Error &error) {
-  parts_.failed("Could not update " + request.body, {error.code, error.message + "\nThe body stays as it was."});
-  end();
-}
-
-void BodyUpdateController::end() {
+  const std::string text = error.message + "\nThe body stays as it was.";
+  if (error.code == ErrorCode::cancelled)
+    parts_.panels.notify(C3DE_LOG_INFO, "Update cancelled: " + request.body, text, {}, registry::About::simulation);
+  else
+    parts_.failed("Could not update " + request.body, {error.code, text});
   isRunning_ = false;
-  if (auto next = std::exchange(next_, std::nullopt)) begin(std::move(*next));
 }
 
 }  // namespace c3de::app

@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/tool_registry.h"
@@ -16,8 +18,8 @@
 namespace c3de::app {
 
 /// Replaces the mask of a body while it is simulated: builds the simulation again with the new mask in the background,
-/// continues from the present state, and reports the change of energy. One undo step each. Main thread. Must outlive the
-/// session's jobs.
+/// continues from the present state, and reports the change of energy. One undo step each. Main thread. Must outlive
+/// the session's jobs.
 class BodyUpdateController {
  public:
   struct Parts {
@@ -30,14 +32,16 @@ class BodyUpdateController {
     SimulationHistory &history;
     ReportError failed;
   };
-  /// @param prepare  called before each update: why there can be none now, for the user; empty: there can
-  BodyUpdateController(const Parts &parts, std::function<std::string()> prepare)
-      : parts_(parts), prepare_(std::move(prepare)) {}
+  using MaskRange = SimulationHistory::MaskRange;
+  /// @param blockingReason  why there can be no update now, for the user; empty: there can
+  BodyUpdateController(const Parts &parts, std::function<std::string()> blockingReason)
+      : parts_(parts), blockingReason_(std::move(blockingReason)) {}
 
-  /// A later call for a body replaces one that waits.
-  void update(const std::string &body, std::shared_ptr<const imaging::Mask> mask);
-  /// Lists the bodies of the present simulation in the segmentation. Cheap if none has changed.
-  void showBodies();
+  /// Begins in one of the next frames, when nothing else is being loaded or undone. A later call replaces one that waits.
+  /// @param range  the changes that led to the mask: undo reverts them as well
+  void update(const std::string &body, std::shared_ptr<const imaging::Mask> mask, const MaskRange &range);
+  /// To be called before each frame. Also lists the bodies of the present simulation in the segmentation.
+  void onFrame();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -45,22 +49,27 @@ class BodyUpdateController {
     std::string body;
     std::shared_ptr<const imaging::Mask> mask;
     Clock::time_point requested;
-    int tries = 0;
-    bool isPlaying = false;
-    bool isOfStroke = false;  ///< it follows one change of the mask
+    MaskRange range;
+    int attempts = 0;
+    /// Of the simulation that it replaces, before its state is captured.
+    std::shared_ptr<ChangeLog> log = nullptr;
+    std::uint64_t changes = 0;
   };
+  void showBodies();
   void begin(Request request);
-  void build(const Request &request);
+  void build(const Request &request, std::uint64_t capture);
   void onBuilt(const Request &request, const std::vector<ContinuedBody> &bodies);
   void onFailed(const Request &request, const Error &error);
-  void end();
 
   Parts parts_;
-  std::function<std::string()> prepare_;
+  std::function<std::string()> blockingReason_;
   bool isRunning_ = false;
+  bool isPlaying_ = false;  ///< the simulation that has just been replaced
   std::optional<Request> next_;
-  const ChangeLog *shownLog_ = nullptr;
+  std::shared_ptr<ChangeLog> shownLog_;
   std::uint64_t shownCount_ = 0;
+  std::vector<MaskedBody> masked_;  ///< of these
+  std::set<std::string> shownNames_;
 };
 
 }  // namespace c3de::app

@@ -59,7 +59,13 @@ bool SimulationHistory::addCaptured(std::uint64_t capture, const std::string &la
   return true;
 }
 
-void SimulationHistory::add(const std::string &label, MaskUndo mask) {
+Expected<const CapturedState *> SimulationHistory::before(std::uint64_t capture) const {
+  if (capture != captures_) return fail(ErrorCode::state, "another change of the simulation has begun");
+  if (!before_) return fail(ErrorCode::state, "its state could not be stored: " + notCaptured_);
+  return &before_->captured;
+}
+
+void SimulationHistory::add(const std::string &label, MaskUndo mask, const MaskRange &range) {
   if (!before_) {
     if (const std::string why = std::exchange(notCaptured_, {}); !why.empty())
       parts_.panels.notify(C3DE_LOG_WARN, "This cannot be undone: " + label,
@@ -67,7 +73,7 @@ void SimulationHistory::add(const std::string &label, MaskUndo mask) {
     return;
   }
   const std::uint64_t number = ++lastNumber_;
-  auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}, mask});
+  auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}, mask, range});
   registry::Edit edit;
   edit.label = label;
   edit.self = step.get();
@@ -177,14 +183,18 @@ void SimulationHistory::onRestored(const Exchange &exchange) {
   Step &step = *stepOf(exchange);
   const CapturedState &target = step.other->captured;
   segmentation::SegmentationWorkflow &workflow = parts_.images.workflow();
-  const bool hasMaskStep = step.mask == MaskUndo::ofCreation
-                               ? workflow.hasJustCreated()
-                               : step.mask == MaskUndo::ofStroke && workflow.mask().canUndo();
-  if (exchange.isUndo && hasMaskStep) {
-    workflow.undo();
-    step.isMaskUndone = true;
-  } else if (!exchange.isUndo && std::exchange(step.isMaskUndone, false) && workflow.mask().canRedo()) {
-    workflow.redo();
+  if (exchange.isUndo) {
+    if (step.mask == MaskUndo::ofCreation && workflow.hasJustCreated()) {
+      workflow.undo();
+      step.isMaskUndone = true;
+    } else if (step.mask == MaskUndo::ofUpdate) {
+      step.isMaskUndone = workflow.undoUpdate(step.range);
+    }
+  } else if (std::exchange(step.isMaskUndone, false)) {
+    if (step.mask == MaskUndo::ofUpdate)
+      (void)workflow.redoUpdate(step.range);
+    else
+      workflow.redo();
   }
   parts_.sessions.onReplaced();
   std::string text = "There is no simulation.";

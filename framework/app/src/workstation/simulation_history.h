@@ -46,15 +46,18 @@ class SimulationHistory : public registry::SimulationSteps {
   enum class MaskUndo {
     none,
     ofCreation,  ///< undo picks the structure of the body again
-    ofStroke     ///< undo reverts the last change of the mask, which the body followed
+    ofUpdate     ///< undo reverts the changes of the mask that the body followed
   };
+  using MaskRange = segmentation::SegmentationWorkflow::MaskRange;
   /// What began with the last captureBefore() has succeeded. No effect if its capture failed.
   /// @param label  "create liver"
-  void add(const std::string &label, MaskUndo mask = MaskUndo::none);
-  /// The simulation before what began with the last captureBefore(); null: it could not be stored, for the reason
-  /// notCaptured(). Valid until add().
-  [[nodiscard]] const CapturedState *before() const { return before_ ? &before_->captured : nullptr; }
-  [[nodiscard]] const std::string &notCaptured() const { return notCaptured_; }
+  /// @param range  of MaskUndo::ofUpdate
+  void add(const std::string &label, MaskUndo mask = MaskUndo::none, const MaskRange &range = {});
+  /// The simulation before what began with a captureBefore(). Valid until add(). Errors: it could not be stored; another
+  /// change has begun since.
+  [[nodiscard]] Expected<const CapturedState *> before(std::uint64_t capture) const;
+  /// An undo or redo is in progress.
+  [[nodiscard]] bool isBusy() const { return !queue_.empty(); }
   /// Another simulation was opened, or the present one was closed: its steps do not apply any more.
   void clear();
 
@@ -71,6 +74,7 @@ class SimulationHistory : public registry::SimulationSteps {
     std::shared_ptr<const Version> other;  ///< what undo, or redo, restores
     Handle edit;
     MaskUndo mask = MaskUndo::none;
+    MaskRange range;
     bool isMaskUndone = false;
   };
   using SharedVersion = std::shared_ptr<const Version>;

@@ -204,8 +204,9 @@ void Workstation::createControllers() {
     history_->captureBefore(
         [this, requests = std::move(requests)](std::uint64_t) { bodyCreation_->createBodies(requests); });
   };
-  events.updateBody = [this](const std::string &body, std::shared_ptr<const imaging::Mask> mask) {
-    bodyUpdates_->update(body, std::move(mask));
+  events.updateBody = [this](const std::string &body, std::shared_ptr<const imaging::Mask> mask,
+                             const SimulationHistory::MaskRange &range) {
+    bodyUpdates_->update(body, std::move(mask), range);
   };
   events.createScanBody = [this](const std::string &scene) {
     if (replay_->isReplaying()) return onFailed("The body was not created", {ErrorCode::state, ui::kReplayLocks});
@@ -246,11 +247,7 @@ void Workstation::createControllers() {
                                             [this] { removeSimulation(); }, failed});
   bodyUpdates_.emplace(
       BodyUpdateController::Parts{session, panels_, tools_, *loader_, *images_, *sessions_, *history_, failed},
-      [this]() -> std::string {
-        if (replay_->isReplaying()) return ui::kReplayLocks;
-        recording_->end("A body is updated.");
-        return {};
-      });
+      [this] { return replay_->isReplaying() ? std::string(ui::kReplayLocks) : std::string(); });
   tissueSurfaces_.emplace(session, *renderer_);
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
   session.setPublishedHook([this](const scene::Simulation &simulation) {
@@ -505,7 +502,7 @@ void Workstation::beginTissues(std::vector<TissueVoxels> bodies) {
 
 /// Called before a frame. A snapshot that was skipped is requested again if no other follows.
 void Workstation::showLatestResults() {
-  bodyUpdates_->showBodies();
+  bodyUpdates_->onFrame();
   TissueTracker &tracker = tissueTable_->tracker();
   warp_->showLatest();
   tissueTable_->update();

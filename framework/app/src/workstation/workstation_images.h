@@ -38,7 +38,9 @@ class WorkstationImages {
     std::function<void()> closed;  ///< no image is open any more
     ReportError failed;
     std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
-    std::function<void(const std::string &body, std::shared_ptr<const imaging::Mask>)> updateBody;
+    std::function<void(const std::string &body, std::shared_ptr<const imaging::Mask>,
+                       const segmentation::SegmentationWorkflow::MaskRange &)>
+        updateBody;
     std::function<void(const std::string &scene)> createScanBody;  ///< ends with scanBody().finished()
     std::function<void()> closeSimulation;
     std::function<void()> askForLabelFile;  ///< ends with saveLabels()

@@ -68,6 +68,7 @@ class WorkstationLoader {
                    std::function<void(const Expected<void> &)> done = {}) {
     load({{session->file}, {}, {}, std::move(done), session}, isReload);
   }
+  [[nodiscard]] bool isLoading() const { return !job_.isNull(); }
   /// Ends a running load.
   void cancel() {
     if (!job_.isNull()) session_.jobs().cancel(job_);

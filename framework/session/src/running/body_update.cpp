@@ -2,6 +2,8 @@
 #include "c3de/session/body_update.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -10,6 +12,17 @@
 #include "c3de/core/plugin_table.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/session.h"
+
+namespace c3de {
+
+template <>
+struct TableSlots<c3de_continuation_v0> {
+  using Table = c3de_continuation_v0;
+  static constexpr const char *name = C3DE_IFACE_CONTINUATION_ID;
+  static constexpr std::array slots = {TableSlot{"continue_from", offsetof(Table, continue_from), 1}};
+};
+
+}  // namespace c3de
 
 namespace c3de::session {
 namespace {
@@ -25,10 +38,15 @@ const scene::SceneBody *maskedBody(const SharedScene &scene, const std::string &
 
 std::vector<MaskedBody> maskedBodies(const SimulationSource &source) {
   std::vector<MaskedBody> bodies;
-  for (const auto &entry : source)
-    if (const auto *scene = std::get_if<SharedScene>(&entry))
-      for (const scene::SceneBody &body : (*scene)->bodies)
-        if (body.volume.mask) bodies.push_back({body.name, body.volume.mask});
+  for (const auto &entry : source) {
+    const auto *scene = std::get_if<SharedScene>(&entry);
+    if (scene == nullptr) continue;
+    for (const scene::SceneBody &body : (*scene)->bodies) {
+      if (!body.volume.mask) continue;
+      std::erase_if(bodies, [&body](const MaskedBody &earlier) { return earlier.name == body.name; });
+      bodies.push_back({body.name, body.volume.mask});
+    }
+  }
   return bodies;
 }
 
@@ -42,8 +60,8 @@ Expected<SimulationSource> withMask(const SimulationSource &source, const std::s
     auto *scene = std::get_if<SharedScene>(&*entry);
     if (scene == nullptr || maskedBody(*scene, body) == nullptr) continue;
     scene::SceneFile copy = **scene;
-    for (scene::SceneBody &one : copy.bodies)
-      if (one.name == body) one.volume.mask = std::move(mask);
+    const auto index = maskedBody(*scene, body) - (*scene)->bodies.data();
+    copy.bodies[static_cast<std::size_t>(index)].volume.mask = std::move(mask);
     *scene = std::make_shared<const scene::SceneFile>(std::move(copy));
     return changed;
   }
@@ -55,9 +73,10 @@ Expected<SimulationSource> withMask(const SimulationSource &source, const std::s
 
 Expected<std::vector<ContinuedBody>> continueFrom(Session &session, c3de_object *simulator, c3de_object *other) {
   const auto found = queryObject(simulator, C3DE_IFACE_CONTINUATION_ID, 1);
-  const auto *table = found ? static_cast<const c3de_continuation_v0 *>(*found) : nullptr;
-  if (table == nullptr || table->size < sizeof *table || table->continue_from == nullptr)
-    return fail(ErrorCode::plugin, "the simulator cannot continue from the state of another one");
+  if (!found) return fail(ErrorCode::plugin, "the simulator cannot continue from the state of another one");
+  const auto *table = static_cast<const c3de_continuation_v0 *>(*found);
+  if (std::string problem = tableProblem(table); !problem.empty())
+    return fail(ErrorCode::plugin, "the simulator's table of " + std::move(problem));
   std::string text;
   const c3de_status code =
       callPluginFunction(session.plugins().ownerOf(simulator), "continuing a simulation", CallKind::step,

@@ -91,11 +91,13 @@ void SegmentationPanel::drawUpdate(const c3de_ui_v1 &ui) {
   tooltip(ui,
           "Replaces the mask of the body. It keeps material, sampling and supports, and continues with its present "
           "deformation");
-  bool isLive = workflow_.isUpdatedLive();
-  checkbox(ui, "update_live", "After every change of the mask", isLive,
-           "Each stroke of the brush updates the body when the mouse button is released");
-  workflow_.setUpdatedLive(isLive);
-  text(ui, reason.empty() ? "The mask differs from that of the body." : "Nothing to update: " + reason + ".");
+  if (workflow_.isEditingBody()) {
+    bool isLive = workflow_.isUpdatedLive();
+    checkbox(ui, "update_live", "After every change of the mask", isLive,
+             "Each change updates the body at once; a stroke of the brush when the mouse button is released");
+    workflow_.setUpdatedLive(isLive);
+  }
+  text(ui, reason.empty() ? "The mask differs from that of the body." : "Not yet: " + reason + ".");
 }
 
 void SegmentationPanel::drawBodies(const c3de_ui_v1 &ui) {

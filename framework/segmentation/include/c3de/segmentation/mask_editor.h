@@ -38,10 +38,14 @@ class MaskEditor {
   void applyStep(const MaskStep &step);
   /// Replaces the mask and the undo history by a mask of an earlier run. @param step  Kind::restored
   void restore(std::shared_ptr<const imaging::Mask> mask, const MaskStep &step);
-  /// Reverts one step; consecutive thresholds count as one. Not while a job runs.
-  void undo();
+  /// Reverts steps; consecutive thresholds count as one. Not while a job runs, nor beyond the steps that are kept.
+  void undo(std::size_t steps = 1);
   /// Possible until another step is carried out.
-  void redo();
+  void redo(std::size_t steps = 1);
+  /// Number of steps that led to the mask, since the history began.
+  [[nodiscard]] std::size_t position() const { return dropped_ + done_; }
+  /// Number of the undo history: it changes when one begins, and positions of others do not apply.
+  [[nodiscard]] std::uint64_t history() const { return history_; }
   [[nodiscard]] bool canUndo() const { return done_ > (isCut_ ? 1u : 0u) && !isBusy(); }
   [[nodiscard]] bool canRedo() const { return done_ < states_.size() && !isBusy(); }
   /// Name of the step to be undone or redone, for the user; empty: none.
@@ -94,12 +98,13 @@ class MaskEditor {
   MaskSources sources_;
   Shown shown_;
   std::vector<State> states_;
-  std::size_t done_ = 0;  ///< the states before it led to the mask, the others can be redone
-  bool isCut_ = false;    ///< the oldest states have been discarded
+  std::size_t done_ = 0;     ///< the states before it led to the mask, the others can be redone
+  std::size_t dropped_ = 0;  ///< oldest states that have been discarded
+  bool isCut_ = false;       ///< the oldest states have been discarded
   std::deque<MaskStep> waiting_;
   MaskStep running_;
   bool isStepRunning_ = false;  ///< otherwise the job is an undo or redo
-  std::uint64_t edits_ = 0, revision_ = 0;
+  std::uint64_t edits_ = 0, revision_ = 0, history_ = 0;
   Handle job_;
   std::uint64_t serial_ = 0;  ///< of the job whose result counts
   std::string problem_;

@@ -64,11 +64,16 @@ struct Selection {
 /// MaskEditor.
 class SegmentationWorkflow {
  public:
+  /// Steps of the mask's undo history: those after `from`, to `to`.
+  struct MaskRange {
+    std::uint64_t history = 0;  ///< MaskEditor::history()
+    std::size_t from = 0, to = 0;
+  };
   struct Events {
     std::function<void()> maskChanged;                   ///< or its properties
     std::function<void(std::vector<BodyRequest>)> make;  ///< not empty
     /// A body of the simulation gets another mask.
-    std::function<void(const std::string &body, std::shared_ptr<const imaging::Mask>)> update;
+    std::function<void(const std::string &body, std::shared_ptr<const imaging::Mask>, const MaskRange &)> update;
   };
   /// @param materials  must outlive the workflow
   SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
@@ -180,7 +185,14 @@ class SegmentationWorkflow {
   [[nodiscard]] std::string updateReason() const;
   /// No effect while updateReason() has a reason.
   void updateBody();
-  /// Whether every change of the mask updates presentBody() at once.
+  /// The mask was taken from presentBody() by editBody(), and nothing else was picked since.
+  [[nodiscard]] bool isEditingBody() const;
+  /// Reverts, or repeats, the changes of the mask that an update had followed. False: they cannot be found any more.
+  bool undoUpdate(const MaskRange &range);
+  bool redoUpdate(const MaskRange &range);
+  /// The body has got the mask at a position of its history.
+  void onBodyUpdated(const MaskRange &range) { bodyPosition_ = range.to; }
+  /// Whether every change of the mask updates the body that is edited at once.
   [[nodiscard]] bool isUpdatedLive() const { return isUpdatedLive_; }
   void setUpdatedLive(bool isUpdatedLive) { isUpdatedLive_ = isUpdatedLive; }
   /// Deselects what has become a body; failed labels stay selected.
@@ -215,6 +227,9 @@ class SegmentationWorkflow {
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
   std::vector<ExistingBody> bodies_;
+  std::string editedBody_;
+  std::size_t bodyPosition_ = 0;                    ///< of the mask's history: that of the edited body
+  std::shared_ptr<const imaging::Mask> requested_;  ///< by the last update: not again without a change
   bool isUpdatedLive_ = false;
   struct Comparison {
     std::shared_ptr<const imaging::Mask> one, other;

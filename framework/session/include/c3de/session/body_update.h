@@ -19,7 +19,7 @@ struct MaskedBody {
   std::string name;
   std::shared_ptr<const imaging::Mask> mask;
 };
-/// Those of a source, in its order. Bodies that were removed since are listed as well.
+/// Those of a source, in its order; of equal names the last one. Bodies that were removed since are listed as well.
 [[nodiscard]] std::vector<MaskedBody> maskedBodies(const SimulationSource &source);
 
 /// The source with another mask of a body; material, sampling, supports and later changes are unchanged.
