@@ -118,6 +118,29 @@ Expected<void> WorkstationLoader::restore(const OpenedSession &opened, c3de_obje
   return {};
 }
 
+Expected<void> WorkstationLoader::build(Build &build, const OpenedSession *opened, const ProgressFn &progress) const {
+  c3de_object *simulator = build.simulator.get();
+  if (auto populated = session_.populate(simulator, *build.scene, progress, &build.prepared); !populated)
+    return populated;
+  if (opened) {
+    if (auto built = buildRemaining(session_, simulator, opened->source, progress, &build.prepared); !built)
+      return built;
+    if (auto restored = restore(*opened, simulator, build.identity, build.notRestored); !restored) return restored;
+    if (opened->continuesFrom) {
+      auto continued = continueFrom(session_, simulator, opened->continuesFrom->get());
+      if (!continued) return tl::unexpected(continued.error());
+      *opened->continued = std::move(*continued);
+      *opened->continuesFrom = ObjectRef();
+    }
+  }
+  build.bodies = boundsOfBodies(simulator);
+  if (!build.needsFloor || !build.bodies) return {};
+  const auto room = addSurroundingWalls(simulator, *build.bodies);
+  if (!room) return tl::unexpected(room.error());
+  build.room = *room;
+  return {};
+}
+
 void WorkstationLoader::load(Source source, bool isReload) {
   const bool isText = !source.text.empty();
   if (source.files.empty() && !isText && !source.session) return;
@@ -141,45 +164,21 @@ void WorkstationLoader::load(Source source, bool isReload) {
 
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
-  const bool needsFloor =
+  // The job and its completion share it; the last of them releases the simulator.
+  const auto built = std::make_shared<Build>();
+  built->simulator = ObjectRef(*created);
+  built->identity = *identity;
+  built->scene = std::make_shared<const scene::SceneFile>(std::move(*scene));
+  built->needsFloor =
       !isText && !source.session && std::none_of(source.files.begin(), source.files.end(), scene::isScenePath);
-  struct Placed {
-    std::optional<Bounds_m> bodies, room;
-    std::string notRestored;
-  };
-  const auto placed = std::make_shared<Placed>();
-  // The job and its completion share the simulator; the last of them releases it.
-  const auto simulator = std::make_shared<ObjectRef>(*created);
-  const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
-  const auto prepared = std::make_shared<Prepared>();
   std::string sceneTitle = source.session ? source.session->title : std::string();
-  if (sceneTitle.empty()) sceneTitle = shared->title.empty() ? name : shared->title;
+  if (sceneTitle.empty()) sceneTitle = built->scene->title.empty() ? name : built->scene->title;
   job_ = session_.jobs().submit(
       kJobOwner, !action.empty() ? action : (isText ? "Making " : "Opening ") + name,
-      [this, simulator, shared, prepared, placed, needsFloor, opened = source.session,
-       identity = *identity](const ProgressFn &progress) -> Expected<void> {
-        if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated)
-          return populated;
-        if (opened) {
-          if (auto built = buildRemaining(session_, simulator->get(), opened->source, progress, prepared.get()); !built)
-            return built;
-          if (auto restored = restore(*opened, simulator->get(), identity, placed->notRestored); !restored)
-            return restored;
-          if (opened->continuesFrom) {
-            auto continued = continueFrom(session_, simulator->get(), opened->continuesFrom->get());
-            if (!continued) return tl::unexpected(continued.error());
-            *opened->continued = std::move(*continued);
-          }
-        }
-        placed->bodies = boundsOfBodies(simulator->get());
-        if (!needsFloor || !placed->bodies) return {};
-        const auto room = addSurroundingWalls(simulator->get(), *placed->bodies);
-        if (!room) return tl::unexpected(room.error());
-        placed->room = *room;
-        return {};
+      [this, built, opened = source.session](const ProgressFn &progress) {
+        return build(*built, opened.get(), progress);
       },
-      [this, simulator, shared, prepared, placed, sceneTitle, source, failed, isReload, isText,
-       serial](const Expected<void> &result) {
+      [this, built, sceneTitle, source, failed, isReload, isText, serial](const Expected<void> &result) {
         // A later request has replaced this one.
         if (serial != serial_) {
           if (source.done) source.done(fail(ErrorCode::cancelled, "something else was opened"));
@@ -189,17 +188,17 @@ void WorkstationLoader::load(Source source, bool isReload) {
         if (!result) return failed(result.error());
         if (source.session && source.session->isOutdated && source.session->isOutdated())
           return failed({ErrorCode::state, "the simulation was changed meanwhile"});
-        SimulationSource built = source.session ? source.session->source : SimulationSource{shared};
-        if (placed->room) built.front() = withWalls(*shared, *placed->room);
-        if (auto adopted = session_.adopt(simulator->get(), sceneTitle, std::move(built)); !adopted)
+        SimulationSource all = source.session ? source.session->source : SimulationSource{built->scene};
+        if (built->room) all.front() = withWalls(*built->scene, *built->room);
+        if (auto adopted = session_.adopt(built->simulator.get(), sceneTitle, std::move(all)); !adopted)
           return failed(adopted.error());
         if (!source.session || source.session->action.empty()) source_ = source;
         double size_mm = 0.0;
-        if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
-        if (placed->room) setBounds(session_, framedWith(*placed->bodies, *placed->room));
-        events_.loaded({isReload, source.session, placed->notRestored, size_mm,
-                        unitText(session_.meshFormats(), source.files, source.meshUnit), shared->image, isText,
-                        prepared->coverage, prepared->tissues});
+        if (built->bodies) size_mm = scene::kMillimetresPerMetre * norm(built->bodies->max - built->bodies->min);
+        if (built->room) setBounds(session_, framedWith(*built->bodies, *built->room));
+        events_.loaded({isReload, source.session, built->notRestored, size_mm,
+                        unitText(session_.meshFormats(), source.files, source.meshUnit), built->scene->image, isText,
+                        built->prepared.coverage, built->prepared.tissues});
         if (source.done) source.done({});
       });
 }

@@ -9,6 +9,7 @@
 
 #include "app.h"
 #include "c3de/session/body_update.h"
+#include "c3de/session/default_floor.h"
 #include "c3de/session/saved_session.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
@@ -96,6 +97,18 @@ class WorkstationLoader {
     std::function<void(const Expected<void> &)> done;  ///< receives the result; may be empty
     std::shared_ptr<const OpenedSession> session;      ///< null: not from a session
   };
+  /// A simulation that is being built.
+  struct Build {
+    ObjectRef simulator;
+    SimulatorIdentity identity;
+    SharedScene scene;
+    bool needsFloor = false;
+    Prepared prepared;
+    std::optional<Bounds_m> bodies, room;
+    std::string notRestored;  ///< Loaded::notRestored
+  };
+  /// In a background job. @param opened  null: not from a session
+  [[nodiscard]] Expected<void> build(Build &build, const OpenedSession *opened, const ProgressFn &progress) const;
   void load(Source source, bool isReload);
   /// @param notRestored  receives Loaded::notRestored
   [[nodiscard]] Expected<void> restore(const OpenedSession &opened, c3de_object *simulator,
