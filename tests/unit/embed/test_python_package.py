@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python package over libc3de, with what is installed: without numpy the cases with arrays are skipped."""
 
+import concurrent.futures
 import gc
 import json
+import multiprocessing
 import os
 import pathlib
 import pickle
@@ -31,6 +33,24 @@ needs_numpy = unittest.skipIf(numpy is None, "[C3DE-SKIPPED] numpy is not instal
 BOX = [[x, y, z] for x in (0, 0.2) for y in (0, 0.1) for z in (0, 0.1)]
 BOX_FACES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
              [1, 5, 7], [1, 7, 3]]
+
+
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
+MPI_SWEEP = """import c3de
+from mpi4py.futures import MPIPoolExecutor
+if __name__ == "__main__":
+    with MPIPoolExecutor() as executor:
+        for row in c3de.sweep(%r, {%r: [5e5, 1e6]}, steps=5, executor=executor):
+            print(row.report["state_hash"])
+"""
+
+
+def mpi_runs():
+    try:
+        program = [*MPIRUN, "1", sys.executable, "-c", "import mpi4py.futures"]
+        return subprocess.run(program, capture_output=True, timeout=60).returncode == 0
+    except (OSError, subprocess.TimeoutExpired):
+        return False
 
 
 def report_of_program(scene, *options):
@@ -324,6 +344,29 @@ class Sweeping(unittest.TestCase):
         self.assertIn("youngs_modulus", str(rows[2].error))
         self.assertRegex(repr(rows[0]), r"^<c3de.SweepRow %s = 500000.0: done after \d+ steps>$" % STIFFNESS)
         self.assertIn(str(rows[2].error), repr(rows[2]))
+
+    def test_an_executor_computes_the_same_rows(self):
+        values = {STIFFNESS: [5e5, -1.0]}
+        expected = list(c3de.sweep(CANTILEVER, values, steps=5))
+        context = multiprocessing.get_context("spawn")
+        with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as executor:
+            rows = list(c3de.sweep(CANTILEVER, values, steps=5, executor=executor))
+        self.assertEqual(rows[0].report["state_hash"], expected[0].report["state_hash"])
+        self.assertEqual(str(rows[1].error), str(expected[1].error))
+        with self.assertRaisesRegex(c3de.Error, "threads is 0; accepted: >= 1"):
+            next(c3de.sweep(CANTILEVER, values, threads=0))
+
+    @unittest.skipUnless(mpi_runs(), "[C3DE-SKIPPED] mpi4py or mpirun is not installed (Debian packages python3-mpi4py, "
+                                     "openmpi-bin)")
+    def test_mpi4py_computes_the_same_rows(self):
+        expected = [row.report["state_hash"] for row in c3de.sweep(CANTILEVER, {STIFFNESS: [5e5, 1e6]}, steps=5)]
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "sweep.py"
+            script.write_text(MPI_SWEEP % (str(CANTILEVER), STIFFNESS))
+            done = subprocess.run([*MPIRUN, "3", sys.executable, "-B", "-m", "mpi4py.futures", str(script)],
+                                  capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.split(), expected)
 
 
 class Scenes(unittest.TestCase):
