@@ -4,6 +4,11 @@
 
 #include <fmt/format.h>
 
+#ifndef _WIN32
+#include <pthread.h>
+#endif
+
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -23,24 +28,54 @@ std::string &lastError() {
   return text;
 }
 
+namespace {
+
+// Never destroyed: calls may come while the process ends.
+std::atomic<OpenObjects *> openNow{nullptr};
+
+#ifndef _WIN32
+/// Numbers continue, so that those of the parent are refused.
+void renewInForkedProcess() {
+  auto *fresh = new OpenObjects;
+  fresh->last = openNow.load()->last;
+  openNow = fresh;
+}
+#endif
+
+}  // namespace
+
 OpenObjects &openObjects() {
-  static OpenObjects *const made = [] {
+  static const bool isMade = [] {
     setEmbedded();
     // Of a broken precondition the caller receives a status.
     setAssertHandler([](const char *condition, const char *text, const char *file, int line) {
       throw std::logic_error(fmt::format("{} ({}) at {}:{}", text, condition, file, line));
     });
-    return new OpenObjects;
+    openNow = new OpenObjects;
+#ifndef _WIN32
+    (void)pthread_atfork(nullptr, nullptr, &renewInForkedProcess);
+#endif
+    return true;
   }();
-  return *made;
+  (void)isMade;
+  return *openNow;
 }
+
+namespace {
+
+std::string notOpen(const char *what, std::uint64_t number) {
+  return fmt::format("{} {} is not open: it has been closed, or was opened before this process was forked", what,
+                     number);
+}
+
+}  // namespace
 
 Result<std::shared_ptr<EmbeddedSimulation>> findSimulation(c3de_sim sim) {
   const std::lock_guard lock(openObjects().mutex);
   const auto found = openObjects().simulations.find(sim);
   if (found != openObjects().simulations.end()) return found->second;
   if (sim == 0) return refuse(C3DE_E_ARG, "the simulation is 0; accepted: one that c3de_embed_open() has opened");
-  return refuse(C3DE_E_STALE, fmt::format("simulation {} is not open, or has been closed", sim));
+  return refuse(C3DE_E_STALE, notOpen("simulation", sim));
 }
 
 Result<std::shared_ptr<const WarpedImage>> findImage(c3de_image image) {
@@ -48,7 +83,7 @@ Result<std::shared_ptr<const WarpedImage>> findImage(c3de_image image) {
   const auto found = openObjects().images.find(image);
   if (found != openObjects().images.end()) return found->second;
   if (image == 0) return refuse(C3DE_E_ARG, "the image is 0; accepted: one that c3de_embed_warp() has made");
-  return refuse(C3DE_E_STALE, fmt::format("image {} is not open, or has been closed", image));
+  return refuse(C3DE_E_STALE, notOpen("image", image));
 }
 
 ProgressFn progressOf(c3de_embed_progress call, void *self) {

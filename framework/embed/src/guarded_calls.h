@@ -30,7 +30,8 @@ struct OpenObjects {
   std::unordered_map<c3de_image, std::shared_ptr<const WarpedImage>> images;
   std::uint64_t last = 0;  ///< number that was assigned
 };
-/// The first call makes this code embedded: the process belongs to its program.
+/// The first call makes this code embedded: the process belongs to its program. In a process that was forked since they
+/// are others, and empty: the threads of the earlier ones do not exist there.
 [[nodiscard]] OpenObjects &openObjects();
 
 [[nodiscard]] Result<std::shared_ptr<EmbeddedSimulation>> findSimulation(c3de_sim sim);

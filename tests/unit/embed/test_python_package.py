@@ -333,6 +333,37 @@ class Running(unittest.TestCase):
                 hold.force
 
 
+@unittest.skipUnless(hasattr(os, "fork"), "[C3DE-SKIPPED] this system has no fork")
+class Forking(unittest.TestCase):
+    PROGRAM = """import os, signal, sys, c3de
+scene = sys.argv[1]
+sim = c3de.open(scene, threads=2)
+sim.step(2)
+if os.fork() == 0:
+    signal.alarm(60)
+    for call in (lambda: sim.step(), lambda: sim.steps, lambda: sim.close()):
+        try:
+            call()
+        except c3de.Error as error:
+            print(error.kind, "before this process was forked" in str(error))
+    with c3de.open(scene, threads=2) as other:
+        other.step(2)
+        print(other.state_hash)
+    sys.exit(0)  # its finalisers end, too
+_, status = os.wait()
+print(os.WEXITSTATUS(status), os.WIFSIGNALED(status), sim.state_hash)
+sim.step(2)
+"""
+
+    def test_a_forked_process_refuses_what_its_parent_opened_and_opens_its_own(self):
+        done = subprocess.run([sys.executable, "-B", "-c", self.PROGRAM, str(CANTILEVER)], capture_output=True, text=True,
+                              timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = done.stdout.splitlines()
+        self.assertEqual(lines[:3], ["closed True"] * 3)
+        self.assertEqual(lines[4], "0 False " + lines[3])
+
+
 class Sweeping(unittest.TestCase):
     def test_a_sweep_yields_every_combination_in_order(self):
         rows = list(c3de.sweep(CANTILEVER, {STIFFNESS: [5e5, 1e6, -1.0]}, jobs=2))
