@@ -234,7 +234,7 @@ void WorkstationDriver::release(int button) {
 }
 
 void WorkstationDriver::clickToEnd(const std::string &widget) {
-  moveTo(locate(widget));
+  pointAt(widget);
   xdotool({"click", "1"});
 }
 
@@ -253,33 +253,33 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  // A panel may grow while the mouse is moving: rows above the widget report the simulation. Under the mouse it is
-  // fixed.
-  for (int tries = 0; tries < 5; ++tries) {
-    const Point at = locate(widget);
-    moveTo(at);
-    const Json now = state();
-    if (!now["widgets"].contains(widget)) continue;
-    const Json &rect = now["widgets"][widget];
-    if (at.x < rect[0].get<double>() || at.y < rect[1].get<double>() || at.x > rect[2].get<double>() ||
-        at.y > rect[3].get<double>())
-      continue;
-    xdotool({"click", "1"});
-    waitFrames(4, 0.3);
-    waitUntil("the click is seen", [](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0; });
-    return;
-  }
-  throw std::runtime_error("'" + widget + "' does not stand still");
+  pointAt(widget);
+  xdotool({"click", "1"});
+  waitFrames(4, 0.3);
+  waitUntil("the click is seen", [](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0; });
 }
 
 void WorkstationDriver::controlClick(const std::string &widget) {
-  moveTo(locate(widget));
+  pointAt(widget);
   xdotool({"keydown", "ctrl"});
   waitFrames(2);
   press();
   release();
   xdotool({"keyup", "ctrl"});
   waitFrames(2);
+}
+
+void WorkstationDriver::pointAt(const std::string &widget) {
+  // A panel may grow while the mouse is moving: rows above the widget report the simulation. Under the mouse it is
+  // fixed.
+  for (int tries = 0; tries < 10; ++tries) {
+    const Point at = locate(widget);
+    moveTo(at);
+    const Json now = state();
+    const Json rect = now["widgets"].value(widget, Json());
+    if (rect.is_array() && rect[0] <= at.x && at.x <= rect[2] && rect[1] <= at.y && at.y <= rect[3]) return;
+  }
+  throw std::runtime_error("'" + widget + "' does not stand still");
 }
 
 void WorkstationDriver::drag(Point from, Point to, int steps, int button) {

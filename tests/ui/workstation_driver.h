@@ -61,6 +61,8 @@ class WorkstationDriver {
   [[nodiscard]] double number(const std::string &key) const;
   /// Scrolls the side panel until the widget is visible; returns its centre in window pixels.
   Point locate(const std::string &widget);
+  /// Moves the mouse to the middle of a widget, and waits until it stays there.
+  void pointAt(const std::string &widget);
   [[nodiscard]] bool has(const std::string &widget) const;
 
   void moveTo(Point at);
