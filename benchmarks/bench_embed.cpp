@@ -2,14 +2,15 @@
 // Measures what simulating through libc3de costs beyond the program's own loop.
 //
 //   bench_embed calls  calls of c3de/embed.h that make no step, and the first view of a field after a step
-//   bench_embed steps  a step through the library against a step of the loop of `c3de run`, of the same organ in the same
-//                      process. Steps of all take turns, so that a busy machine slows all of them; `control` is a second
-//                      simulation of the program's loop: what differs between two equal ones is noise.
+//   bench_embed steps  a step through the library against a step of the loop of `c3de run`, of the same organ in the
+//                      same process. Steps of all take turns, so that a busy machine slows all of them; `control` is a
+//                      second simulation of the program's loop: what differs between two equal ones is noise.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <functional>
 #include <vector>
 
 #include "bench/report.h"
@@ -149,7 +150,7 @@ void measureSteps(const Options &options, Report &report) {
   std::size_t made = 0;
   for (; made < kWarmUp + 101 || bench::wall_ms() < end; ++made)
     for (std::size_t turn = 0; turn < 3; ++turn) {
-      // No one always follows the same one.
+      // The order alternates, so that no loop always follows the same one.
       const std::size_t one = made % 2 == 0 ? (turn + made / 2) % 3 : 2 - (turn + made / 2) % 3;
       const double wall = bench::wall_ms(), processor = bench::processor_ms();
       steps[one]();
@@ -202,7 +203,7 @@ void measureCalls(const Options &options, Report &report) {
          check(c3de_embed_read_field(sim, 0, C3DE_EMBED_ON_POINTS, "position", memory.data(), 8 * memory.size()));
        }},
   };
-  constexpr int kEach = 100;  // calls between two looks at the clock
+  constexpr int kEach = 100;  // calls between two readings of the clock
   for (const auto &[name, call] : calls) {
     const auto timing = bench::measure(options.seconds, [&call = call] {
       for (int i = 0; i < kEach; ++i) call();

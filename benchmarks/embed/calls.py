@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What calls of the Python package cost: PYTHONPATH=$(build/release/bin/c3de python-path) python3 benchmarks/embed/calls.py
+"""What calls of the Python package cost:
+
+    PYTHONPATH=$(build/release/bin/c3de python-path) python3 benchmarks/embed/calls.py
 
 A body of about 3 000 points, one thread; the median of many, in µs. Arrays need numpy.
 """

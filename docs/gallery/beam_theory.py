@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Beam against theory: a beam that is held at one end sags under its own weight. Its deflection is compared with that of
-Timoshenko's beam theory. Usage: python3 beam_theory.py [FOLDER FOR THE PICTURE]"""
+"""Beam against theory: a beam that is held at one end sags under its own weight. Its deflection is compared with that
+of Timoshenko's beam theory. Usage: python3 beam_theory.py [FOLDER FOR THE PICTURE]"""
 
 import pathlib
 import sys

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A label map of numpy that is pulled: a soft organ with a stiff node and a fixed spine, made of arrays, becomes one body.
-A part of its surface is pulled. Usage: python3 pulled_labels.py [FOLDER FOR THE PICTURE]"""
+"""A label map of numpy that is pulled: a soft organ with a stiff node and a fixed spine, made of arrays, becomes one
+body. A part of its surface is pulled. Usage: python3 pulled_labels.py [FOLDER FOR THE PICTURE]"""
 
 import pathlib
 import sys

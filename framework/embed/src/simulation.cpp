@@ -193,7 +193,7 @@ Result<void> EmbeddedSimulation::makeOneStep(const char *owner) {
   stateChanged();
   if (*code < 0) {
     const std::string text = session_->plugins().takeError();
-    forgetFailedStep();
+    discardSolverMemory();
     return refuse(*code, session::stepFailure(before.steps, before.time_s, facts_.isLoadStepped, *code, text));
   }
   facts_.stepTimes.add(1e3 * step_s);
@@ -211,15 +211,22 @@ Failure EmbeddedSimulation::cancelled() const {
                                                                formatNumber(status_.time_s), status_.steps)};
 }
 
-// What a solver remembers of a step that failed or was cancelled depends on how far that was. After the present state
+// What a solver keeps from a failed or cancelled step depends on how far the step had advanced. After the present state
 // has been loaded, later steps follow from it alone, also in a replay.
-void EmbeddedSimulation::forgetFailedStep() {
+void EmbeddedSimulation::discardSolverMemory() {
   const auto bytes = session::stateBytes(*session_, simulator_->get(), identity_);
-  if (bytes && session::goToState(*session_, simulator_->get(), identity_, *bytes, "the present state")) {
+  const auto loaded = bytes ? session::goToState(*session_, simulator_->get(), identity_, *bytes, "the present state")
+                            : Expected<void>(tl::unexpected(bytes.error()));
+  if (loaded) {
     if (recorder_) recorder_->addState(status_.steps, *bytes);
     return;
   }
   (void)session_->plugins().takeError();
+  if (!recorder_) return;
+  (void)finishRecording();
+  recordingFailure_ = refuse(loaded.error()).value();
+  recordingFailure_->text = fmt::format("the recording ends at step {}, after a failed or cancelled step: {}",
+                                        status_.steps, recordingFailure_->text);
 }
 
 Result<void> EmbeddedSimulation::run(const Run &run, std::uint64_t &made) {

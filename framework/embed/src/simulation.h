@@ -138,7 +138,7 @@ class EmbeddedSimulation {
   /// @param repeats  the events of the recording are applied between the steps
   [[nodiscard]] Result<void> makeSteps(const Run &run, std::uint64_t &made, bool repeats);
   [[nodiscard]] Result<void> makeOneStep(const char *owner);
-  void forgetFailedStep();
+  void discardSolverMemory();
   [[nodiscard]] Result<void> repeatDue();
   [[nodiscard]] Result<void> finishRecording();
   [[nodiscard]] Failure cancelled() const;
@@ -178,6 +178,7 @@ class EmbeddedSimulation {
   std::unique_ptr<session::Replay> replay_;  ///< null: not opened from a recording
   std::shared_ptr<session::Recorder> recorder_;
   std::filesystem::path recordingFile_;
+  std::optional<Failure> recordingFailure_;  ///< has ended the recording; for the caller who ends it
   std::uint64_t generation_ = 1;
 
   std::vector<session::LiveParameters::Parameter> listed_;  ///< of parameterAt(); empty: not asked for

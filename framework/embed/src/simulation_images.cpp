@@ -2,6 +2,7 @@
 // The scan of the scene, deformed with the bodies.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "c3de/imaging/warp.h"

@@ -2,6 +2,7 @@
 // Recordings: made while the simulation runs, and repeated.
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 #include "c3de/core/path_text.h"
@@ -30,6 +31,7 @@ Result<void> EmbeddedSimulation::record(const std::filesystem::path &file, std::
   auto recorder = session::Recorder::create(file, *start, simulator_->get(), std::move(options));
   if (!recorder) return refuse(recorder.error());
   recorder_ = std::move(*recorder);
+  recordingFailure_.reset();
   recordingFile_ = file;
   session_->setRecorder(recorder_);
   return {};
@@ -42,6 +44,7 @@ Result<void> EmbeddedSimulation::endRecording() {
 }
 
 Result<void> EmbeddedSimulation::finishRecording() {
+  if (auto failure = std::exchange(recordingFailure_, std::nullopt)) return tl::unexpected(std::move(*failure));
   if (!recorder_) return {};
   session_->setRecorder(nullptr);
   const auto finished = std::exchange(recorder_, nullptr)->finish();

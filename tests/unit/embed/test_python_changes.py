@@ -284,6 +284,29 @@ class Recordings(unittest.TestCase):
             self.assertEqual(again.replay().remark, "")
             self.assertEqual(again.state_hash, end)
 
+    def test_a_recording_whose_end_was_refused_can_be_ended_later(self):
+        file = self.folder / "h.c3dr"
+        kinds = []
+        with c3de.open(FALLING, threads=1) as sim:
+            recording = sim.record(file)
+
+            def progress(_fraction, _text):
+                try:
+                    recording.end()
+                except c3de.Error as error:
+                    kinds.append(error.kind)
+                return False
+
+            with self.assertRaises(c3de.Error) as caught:
+                sim.run(until=1e4, progress=progress)
+            self.assertEqual((caught.exception.kind, kinds), ("cancelled", ["state"]))
+            sim.step(2)
+            recording.end()
+            steps, end = sim.steps, sim.state_hash
+            sim.step(2)  # not recorded
+            with c3de.replay(file, threads=1) as again:  # complete, while the other simulation exists
+                self.assertEqual((again.steps, again.state_hash), (steps, end))
+
     def test_misuse_is_refused(self):
         with c3de.open(FALLING, threads=1) as sim:
             cases = [(lambda: sim.record(self.folder / "a.txt"), "argument", ".c3dr"),

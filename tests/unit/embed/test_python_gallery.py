@@ -53,7 +53,7 @@ class Gallery(unittest.TestCase):
     def test_beam_theory(self):
         (tip, theory, difference), = self.ran("beam_theory")
         self.assertLess(theory, -1.0)
-        self.assertLess(abs(difference), 1.5)
+        self.assertAlmostEqual(difference, -0.7, delta=0.05)  # as on the page
         self.assertAlmostEqual(100 * (tip / theory - 1), difference, delta=0.02)
 
     def test_stiffness_sweep(self):
@@ -67,7 +67,7 @@ class Gallery(unittest.TestCase):
         rows = self.ran("speed_accuracy")
         self.assertEqual([count for count, _, _ in rows], sorted(count for count, _, _ in rows))
         self.assertLess(rows[-1][2], 0.6 * rows[0][2])
-        self.assertLess(rows[0][2], 1.0)
+        self.assertLess(max(error for _, _, error in rows), 0.5)  # as on the page
 
     @needs_nibabel
     def test_pulled_labels(self):

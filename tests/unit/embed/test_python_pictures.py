@@ -6,6 +6,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -88,7 +89,8 @@ class Pictures(unittest.TestCase):
             cases = [({"size": (15, 100)}, "16 to 16384"), ({"size": (100, 16385)}, "16385"), ({"size": (1.5, 100)}, "1.5"),
                      ({"size": "100x100"}, "width"), ({"view": "top"}, "four-up"), ({"view": "axial"}, "no [image]"),
                      ({"view": "axial", "up": "z"}, "slice"), ({"camera": (0, 91)}, "-90 to 90"),
-                     ({"camera": (float("nan"), 0)}, "nan"), ({"up": "x"}, "x not in"), ({"colour": "red"}, "von_mises"),
+                     ({"camera": (float("nan"), 0)}, "nan"), ({"camera": ("left", 0)}, "-360 to 360"),
+                     ({"camera": (None, 0)}, "None"), ({"up": "x"}, "x not in"), ({"colour": "red"}, "von_mises"),
                      ({"colour_range": -1.0}, "-1"), ({"surface": "thin"}, "transparent"), ({"overlay": "shift"}, "--overlay")]
             for options, text in cases:
                 self.refused(lambda: sim.save_picture("never.png", **options), "argument", text)
@@ -159,6 +161,29 @@ class Screen:
         self.environment.stop()
         self.process.terminate()
         self.process.wait()
+
+
+class Exit(unittest.TestCase):
+    @unittest.skipIf(os.name == "nt", "[C3DE-SKIPPED] the program is a script of the shell")
+    def test_the_folder_of_a_window_is_removed_where_its_thread_is_stopped(self):
+        """A window of a program without graphics, in a process that ends while the window is open."""
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder) / "program"
+            program.write_text("#!/bin/sh\nexec sleep 600\n")
+            program.chmod(0o755)
+            temporary = pathlib.Path(folder) / "temporary"
+            temporary.mkdir()
+            script = ("import os, sys, tempfile, c3de\n"
+                      "from c3de._pictures import Window\n"
+                      "Window._follow = lambda *_: None  # a thread that the end of the interpreter has stopped\n"
+                      "window = c3de.open(sys.argv[1]).show(wait=False)\n"
+                      "print(*os.listdir(tempfile.gettempdir()), window.is_open)\n")
+            environment = {**os.environ, "DISPLAY": ":9999", "TMPDIR": str(temporary), "C3DE_PROGRAM": str(program)}
+            ended = subprocess.run([sys.executable, "-B", "-c", script, str(CANTILEVER)], env=environment, text=True,
+                                   capture_output=True, timeout=TIMEOUT_S)
+            self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+            self.assertRegex(ended.stdout, r"^c3de-\w+ True$")
+            self.assertEqual(os.listdir(temporary), [])
 
 
 def waited_for(condition):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The reference (docs/reference) is built without a warning, is complete and needs no network; the texts and hints of the
-Python package are complete. Without Doxygen, Sphinx or mypy the cases that need them are skipped."""
+"""The reference (docs/reference) is built without a warning, is complete and needs no network; the texts and hints of
+the Python package are complete. Without Doxygen, Sphinx or mypy the cases that need them are skipped."""
 
 import inspect
 import os

@@ -78,7 +78,8 @@ Handler declareWorkstation(CLI::App &app, CommandLine &line) {
   app.add_flag("--json", line.json, "With --version: as JSON");
   app.add_flag("--play", options->play, "Play as soon as the scene is there; without FILES the default scene");
   app.add_flag("--untitled", options->isUntitled,
-               "The first file is a temporary session: saving asks for another file, and it is not a recent file");
+               "The first file is a temporary session: saving asks for a file name, and it is not listed in the recent "
+               "files");
   addSize(app, line, "Size of the window, at most that of the screen");
   addFile(app, "--automation-state", options->automationState, "FILE",
           "Mirror the program's state to this file as JSON");

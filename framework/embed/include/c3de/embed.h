@@ -79,7 +79,8 @@ typedef struct c3de_embed_run_options {
   uint32_t reserved;
   uint64_t max_steps;         /* 0: no limit */
   double until_s;             /* absolute simulated time to reach, ignored for quasi-static solutions; 0: no limit.
-                               * Both limits 0: until C3DE_EMBED_FINISHED, or to 1 s */
+                               * Both limits 0: a run ends with C3DE_EMBED_FINISHED or at 1 s, and a replay at the end
+                               * of the recording */
   c3de_embed_stepped stepped; /* may be null */
   void *stepped_self;
   double stepped_every_s; /* wall time between two calls, at least; 0: after every step */
@@ -202,8 +203,8 @@ C3DE_EMBED_API c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *d
 /* options null: all 0. C3DE_E_DIVERGED also where bodies have stopped at the end; all steps were made then, and the
  * state is complete. */
 C3DE_EMBED_API c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options);
-/* Ends the step or run of another thread with C3DE_E_CANCELLED, within a second or so; without one it has no effect.
- * Does not wait. A build that c3de_embed_open() makes is cancelled by its progress function. */
+/* Ends the step, run, replay or warp of another thread with C3DE_E_CANCELLED, within a second or so; without one it has
+ * no effect. Does not wait. A build that c3de_embed_open() makes is cancelled by its progress function. */
 C3DE_EMBED_API c3de_status c3de_embed_cancel(c3de_sim sim);
 C3DE_EMBED_API c3de_status c3de_embed_reset(c3de_sim sim); /* to the initial state, bit for bit */
 /* Hash of the complete simulation state: equal to `state_hash` in the report of `c3de run` after the same steps. */
@@ -291,9 +292,9 @@ typedef struct c3de_embed_condition_state {
 
 /* Adds one, or replaces an earlier one. condition: 0, which becomes the number of the new one, or the number of the one
  * that is replaced; from an equal part and kind the value changes continuously during the ramp. C3DE_E_NOT_FOUND: there
- * is no such body; C3DE_E_ARG: a value is refused, no part of the surface is chosen, or it overlaps a support that moves
- * it elsewhere; C3DE_E_STATE: the body cannot move; C3DE_E_UNSUPPORTED: the simulator sets none. Nothing has changed
- * after a refusal. */
+ * is no such body; C3DE_E_ARG: a value is refused, no part of the surface is chosen, or it overlaps a support that
+ * moves it elsewhere; C3DE_E_STALE: the condition with this number was removed; C3DE_E_STATE: the body cannot move;
+ * C3DE_E_UNSUPPORTED: the simulator sets none. Nothing has changed after a refusal. */
 C3DE_EMBED_API c3de_status c3de_embed_set_condition(c3de_sim sim, uint64_t body, const c3de_embed_condition *what,
                                                     uint64_t *condition);
 /* C3DE_E_STALE: it was removed, or its body was. */
@@ -353,8 +354,9 @@ C3DE_EMBED_API c3de_status c3de_embed_image_close(c3de_image image); /* 0: does 
 
 /* ---- revision 2: recordings ---- */
 
-/* Records from now on into a file (.c3dr): the present state, then every change, step, reset and loaded state, and a hash
- * of the state every hash_every steps (0: 100). C3DE_E_STATE: it is being recorded already. */
+/* Records from now on into a file (.c3dr): the present state, then every change, step, reset and loaded state, and a
+ * hash of the state every hash_every steps (0: 100). C3DE_E_ARG: the name does not end with .c3dr; C3DE_E_STATE: it is
+ * being recorded already; C3DE_E_IO: the file cannot be written. */
 C3DE_EMBED_API c3de_status c3de_embed_record(c3de_sim sim, const char *file, uint64_t hash_every);
 /* Completes the file. Returns the error that has ended the recording early, such as a full disk; the simulation is not
  * affected by it. Without a recording it does nothing. Closing a simulation does the same. */
@@ -363,16 +365,16 @@ C3DE_EMBED_API c3de_status c3de_embed_end_recording(c3de_sim sim);
 typedef struct c3de_embed_replay_state {
   uint32_t size;
   uint32_t flags;        /* C3DE_EMBED_REPLAY_END */
-  uint64_t steps;        /* made of the recording */
+  uint64_t steps;        /* of the recording that were repeated */
   uint64_t equal_hashes; /* state hashes that were compared and are equal */
   const char *remark;    /* "ends early, after step 300"; empty: the recording is complete */
 } c3de_embed_replay_state;
 
 #define C3DE_EMBED_REPLAY_END 1u /* everything is repeated */
 
-/* Repeats a recording that c3de_embed_open() has opened, from its start to its end, or to the limits of `options`. Every
- * recorded state hash is compared. C3DE_E_DIVERGED: the first one differs, and the text names its step. C3DE_E_STATE:
- * the simulation is of no recording. out: may be null. */
+/* Repeats a recording that c3de_embed_open() has opened, from its present step to its end, or to the limits of
+ * `options`. Every recorded state hash is compared. C3DE_E_DIVERGED: the first one differs, and the text names its step.
+ * C3DE_E_STATE: the simulation is of no recording. out: may be null. */
 C3DE_EMBED_API c3de_status c3de_embed_replay(c3de_sim sim, const c3de_embed_run_options *options,
                                              c3de_embed_replay_state *out);
 

@@ -5,7 +5,9 @@ import sys
 import threading
 from typing import Any, Callable, Optional, Union
 
-POLL_S = 0.05  # between two looks for Ctrl-C
+from ._library import Error
+
+POLL_S = 0.05  # between two checks for Ctrl-C
 
 
 class _InterruptibleCall:
@@ -85,3 +87,33 @@ class _Bar:
     def finish(self) -> None:
         if self._open:
             sys.stderr.write("\n")
+
+
+class ReportedCall:
+    """A long call with progress. What a function of the caller raises ends it, and is raised instead of its Error."""
+
+    def __init__(self, show: Union[bool, Callable[[float, str], Any]]):
+        self._bar = _Bar(show)
+        self._raised: Optional[BaseException] = None
+
+    def report(self, fraction: float, text: str) -> int:
+        """For the callback of the library: 1 to cancel."""
+        try:
+            return int(self._bar(fraction, text))
+        except BaseException as error:
+            self._raised = self._raised or error
+            return 1
+
+    def make(self, call: Callable[[], Any], cancel: Callable[[], None]) -> None:
+        def checked() -> None:
+            try:
+                call()
+            except Error:
+                if self._raised:
+                    raise self._raised
+                raise
+
+        try:
+            _InterruptibleCall(checked, cancel).wait()
+        finally:
+            self._bar.finish()

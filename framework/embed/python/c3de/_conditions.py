@@ -34,8 +34,8 @@ class Condition:
         """Sets another value: three numbers of a force (N) or displacement (m), a pressure (Pa). From the present value
         it is reached during `ramp` (simulated s).
 
-        Raises Error: kind "argument", the value is refused, or it is a support, which has none. Nothing has changed
-        then.
+        Raises Error: kind "argument", the value is refused, or it is a support, which has none; "closed", it was
+        removed. Nothing has changed then.
         """
         if self._options.kind == _l.SUPPORT:
             raise Error("a support has no value; accepted: forces, pressures, displacements", _l.E_ARG)

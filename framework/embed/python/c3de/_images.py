@@ -6,7 +6,7 @@ import weakref
 from typing import TYPE_CHECKING, Any, Callable, List, NamedTuple, Tuple, Union
 
 from . import _library as _l
-from ._calls import _Bar, _InterruptibleCall
+from ._calls import ReportedCall
 from ._library import check, lib
 from ._values import Path, _file
 
@@ -131,34 +131,22 @@ class WarpedImage:
 
 
 def warp(simulation: "Simulation", what: int, progress: Union[bool, Callable[[float, str], Any]]) -> WarpedImage:
-    """Makes one. Ctrl-C cancels."""
-    bar = _Bar(progress)
-    raised: List[BaseException] = []
+    """Deforms the image or label map of a scene. Ctrl-C cancels."""
+    reported = ReportedCall(progress)
     handle = c.c_uint64()
 
     def report(_self: Any, fraction: float, text: bytes) -> int:
-        try:
-            return int(bar(fraction, text.decode(errors="replace")))
-        except BaseException as error:  # of a function of the caller
-            raised.append(error)
-            return 1
+        return reported.report(fraction, text.decode(errors="replace"))
 
     function = _l.PROGRESS(report) if progress else _l.PROGRESS()  # type: ignore[call-overload]
 
     def call() -> None:
-        try:
-            with simulation._lock:
-                check(lib.c3de_embed_warp(simulation._handle, what, function, None, c.byref(handle)))
-        except _l.Error:
-            if raised:
-                raise raised[0]
-            raise
+        with simulation._lock:
+            check(lib.c3de_embed_warp(simulation._handle, what, function, None, c.byref(handle)))
 
     try:
-        _InterruptibleCall(call, simulation.cancel).wait()
+        reported.make(call, simulation.cancel)
     except BaseException:
         lib.c3de_embed_image_close(handle)  # 0, or complete before the interrupt
         raise
-    finally:
-        bar.finish()
     return WarpedImage(handle.value)

@@ -2,6 +2,7 @@
 """Pictures and windows of a simulation. The program draws them in a process of its own, from a session in a temporary
 folder: libc3de loads no OpenGL, and a fault of a graphics driver does not end this process."""
 
+import math
 import operator
 import os
 import pathlib
@@ -77,7 +78,7 @@ class Window:
         self._closed_here = False
         self._text = ""
         self._done = threading.Event()
-        self._finalizer = weakref.finalize(self, self._end, self._process)
+        self._finalizer = weakref.finalize(self, self._end_and_remove, self._process, folder)
         threading.Thread(target=self._follow, args=(folder,), name="c3de window", daemon=True).start()
 
     @staticmethod
@@ -86,9 +87,18 @@ class Window:
             process.terminate()
             process.wait()
 
+    @classmethod
+    def _end_and_remove(cls, process: "subprocess.Popen[bytes]", folder: str) -> None:
+        cls._end(process)
+        shutil.rmtree(folder, ignore_errors=True)
+
     def _follow(self, folder: str) -> None:
+        # The end of the interpreter may stop this thread anywhere; the finalizer then removes the folder.
         self._process.wait()
-        self._text = self._messages.read_text(errors="replace")
+        try:
+            self._text = self._messages.read_text(errors="replace")
+        except OSError:  # the finalizer was first
+            pass
         shutil.rmtree(folder, ignore_errors=True)
         self._done.set()
 
@@ -189,7 +199,10 @@ class Pictures:
         options = ["--size", _size(size)]
         if camera is not None:
             accepted = "(azimuth, elevation), degrees, -360 to 360 and -90 to 90"
-            azimuth, elevation = (float(angle) for angle in _pair(camera, "camera", accepted))
+            try:
+                azimuth, elevation = (float(angle) for angle in _pair(camera, "camera", accepted))
+            except (TypeError, ValueError, OverflowError):
+                azimuth = elevation = math.nan
             if not (abs(azimuth) <= 360.0 and abs(elevation) <= 90.0):
                 raise Error("camera is %r; accepted: %s" % (camera, accepted), _l.E_ARG)
             options.append("--camera=%r,%r" % (azimuth, elevation))  # one word: it may begin with a minus

@@ -2,10 +2,10 @@
 """Recordings: made while a simulation runs, and repeated."""
 
 import ctypes as c
-from typing import TYPE_CHECKING, Any, Callable, List, NamedTuple, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Tuple, Union
 
 from . import _library as _l
-from ._calls import POLL_S, _Bar, _InterruptibleCall
+from ._calls import POLL_S, ReportedCall
 from ._library import Error, check, lib
 from ._values import Path
 
@@ -24,11 +24,13 @@ class Recording:
 
     def end(self) -> None:
         """Completes the file. May be called twice. Raises Error: what has ended the recording early, such as a full
-        disk; the simulation is not affected by it."""
+        disk; the simulation is not affected by it. Kind "state" within a function for progress: it continues then."""
         with self.simulation._lock:
-            if self._open:
-                self._open = False
-                check(lib.c3de_embed_end_recording(self.simulation._handle))
+            if not self._open:
+                return
+            status = lib.c3de_embed_end_recording(self.simulation._handle)
+            self._open = status == _l.E_STATE  # it can be ended later
+            check(status)
 
     def __enter__(self) -> "Recording":
         return self
@@ -38,9 +40,9 @@ class Recording:
 
 
 class Replayed(NamedTuple):
-    """How far a recording is repeated.
+    """Progress of a replay.
 
-    - steps: made of the recording
+    - steps: steps of the recording that were repeated
     - equal_hashes: number of state hashes that were compared and are equal
     - complete: everything is repeated
     - remark: such as "ends early, after step 300"; empty: the recording is complete
@@ -51,48 +53,35 @@ class Replayed(NamedTuple):
     remark: str
 
 
-def replay_options(until: Optional[float], steps: Optional[int], progress: Progress) -> Tuple[Any, Any, List[Any]]:
-    """Options of a run with progress, the bar, and what its function has raised."""
+def run_options(until: Optional[float], steps: Optional[int], progress: Progress) -> Tuple[Any, ReportedCall]:
+    """Options of a run or replay, and its call."""
     if until is not None and not until > 0.0:
         raise Error("until is %s s; accepted: > 0" % until, _l.E_ARG)
     if steps is not None and steps <= 0:
         raise Error("steps is %d; accepted: > 0" % steps, _l.E_ARG)
-    bar = _Bar(progress)
-    raised: List[BaseException] = []
+    reported = ReportedCall(progress)
 
     def stepped(_self: Any, status: Any, fraction: float) -> int:
-        try:
-            return int(bar(fraction, "%g s, step %d" % (status.contents.time_s, status.contents.steps)))
-        except BaseException as error:  # of a function of the caller
-            raised.append(error)
-            return 1
+        return reported.report(fraction, "%g s, step %d" % (status.contents.time_s, status.contents.steps))
 
     options = _l.RunOptions(max_steps=steps or 0, until_s=until or 0.0, stepped_every_s=POLL_S)
     if progress:
         options.stepped = _l.STEPPED(stepped)
-    return options, bar, raised
+    return options, reported
 
 
 def repeat(simulation: "Simulation", until: Optional[float], steps: Optional[int], progress: Progress) -> Replayed:
     """The work of Simulation.replay()."""
-    options, bar, raised = replay_options(until, steps, progress)
+    options, reported = run_options(until, steps, progress)
     out = _l.ReplayStruct()
     remark = [""]
 
     def call() -> None:
-        try:
-            with simulation._lock:
-                check(lib.c3de_embed_replay(simulation._handle, c.byref(options), c.byref(out)))
-                remark[0] = out.remark.decode()
-        except Error:
-            if raised:
-                raise raised[0]
-            raise
+        with simulation._lock:
+            check(lib.c3de_embed_replay(simulation._handle, c.byref(options), c.byref(out)))
+            remark[0] = out.remark.decode()
 
-    try:
-        _InterruptibleCall(call, simulation.cancel).wait()
-    finally:
-        bar.finish()
+    reported.make(call, simulation.cancel)
     return Replayed(out.steps, out.equal_hashes, bool(out.flags & _l.REPLAY_END), remark[0])
 
 

@@ -14,7 +14,8 @@ def resource(name: str) -> pathlib.Path:
     Raises Error of kind "not found": where it was looked for.
     """
     prefix = pathlib.Path(__file__).resolve().parents[4]  # PREFIX/lib/python3/dist-packages/c3de/_resources.py
-    candidates = [prefix / "share" / "c3de" / name, prefix.parent.parent / "resources" / name]  # the second: a build folder
+    # The second is that of a build folder.
+    candidates = [prefix / "share" / "c3de" / name, prefix.parent.parent / "resources" / name]
     for candidate in candidates:
         if candidate.exists():
             return candidate

@@ -11,11 +11,11 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from . import _library as _l
 from ._bodies import Body
-from ._calls import POLL_S, _Bar, _InterruptibleCall
+from ._calls import POLL_S, ReportedCall, _InterruptibleCall
 from ._images import WarpedImage, warp
 from ._library import Error, check, lib
 from ._pictures import Pictures
-from ._recording import Recording, Replayed, repeat, replay_options
+from ._recording import Recording, Replayed, repeat, run_options
 from ._values import Path, Value, _file, _text
 
 _SHORT_S = 0.02  # calls that are expected to be shorter run on the calling thread
@@ -90,15 +90,10 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
     assign = ["%s=%s" % (key, _text(value)) for key, value in values.items()]
     files, folders = [os.fspath(p) for p in plugins], [os.fspath(p) for p in plugin_folders]
     cancelled = threading.Event()
-    raised: List[BaseException] = []
-    bar = _Bar(progress)
+    reported = ReportedCall(progress)
 
     def report(_self: Any, fraction: float, what: bytes) -> int:
-        try:
-            return int(bar(fraction, what.decode(errors="replace")) or cancelled.is_set())
-        except BaseException as error:  # of a function of the caller
-            raised.append(error)
-            return 1
+        return int(reported.report(fraction, what.decode(errors="replace")) or cancelled.is_set())
 
     options = _l.Options(flags=0 if search_plugins else _l.NO_PLUGIN_SEARCH, file=file,
                          text=text.encode() if text is not None else None, assign=_l.texts(assign),
@@ -107,22 +102,12 @@ def open(path: Optional[Path] = None, *, text: Optional[str] = None, progress: U
                          progress=_l.PROGRESS(report))
     handle = c.c_uint64()
 
-    def call() -> None:
-        try:
-            check(lib.c3de_embed_open(c.byref(options), c.byref(handle)))
-        except Error:
-            if raised:
-                raise raised[0]
-            raise
-
     try:
-        _InterruptibleCall(call, cancelled.set).wait()
+        reported.make(lambda: check(lib.c3de_embed_open(c.byref(options), c.byref(handle))), cancelled.set)
     except BaseException:
         if handle.value:  # it was complete before the interrupt
             lib.c3de_embed_close(handle)
         raise
-    finally:
-        bar.finish()
     simulation = Simulation(handle.value, os.fspath(path) if path is not None else "text")
     simulation._program_options = [*(["--no-plugins"] if not search_plugins else []),
                                    *("--plugin=" + os.path.abspath(one) for one in files),
@@ -239,25 +224,18 @@ class Simulation(Pictures):
 
         Raises Error: as step(); kind "diverged" also where bodies have stopped early; kind "cancelled".
         """
-        options, bar, raised = replay_options(until, steps, progress)
+        options, reported = run_options(until, steps, progress)
 
         def call() -> None:
-            try:
-                with self._lock:
-                    check(lib.c3de_embed_run(self._handle, c.byref(options)))
-            except Error:
-                if raised:
-                    raise raised[0]
-                raise
+            with self._lock:
+                check(lib.c3de_embed_run(self._handle, c.byref(options)))
 
-        try:
-            _InterruptibleCall(call, self.cancel).wait()
-        finally:
-            bar.finish()
+        reported.make(call, self.cancel)
         return self
 
     def cancel(self) -> None:
-        """Ends the step or run of another thread, which then raises Error of kind "cancelled"; otherwise no effect."""
+        """Ends the step, run, replay or warp of another thread, which then raises Error of kind "cancelled"; otherwise
+        it has no effect."""
         lib.c3de_embed_cancel(self._handle)
 
     def reset(self) -> None:
@@ -315,7 +293,8 @@ class Simulation(Pictures):
         return warp(self, _l.IMAGE, progress)
 
     def warped_labels(self, *, progress: Union[bool, Callable[[float, str], Any]] = False) -> WarpedImage:
-        """Its label map, likewise, on the grid of the image: the nearest label, as `c3de run --export-labels`.
+        """The label map of the scene, deformed in the same way, on the grid of the image with nearest-neighbour
+        sampling. `c3de run --export-labels` writes the same voxels.
 
         Raises Error of kind "argument": the scene has no image, or no label map.
         """
@@ -327,7 +306,8 @@ class Simulation(Pictures):
         """Records from now on into a file (.c3dr), until Recording.end() or close(): the present state and every
         change, step, reset and loaded state, with a state hash every `hash_every` steps. Ctrl-C cancels the beginning.
 
-        Raises Error: kind "state", it is being recorded already; "input or output", the file cannot be written.
+        Raises Error: kind "argument", the name does not end with .c3dr, or hash_every is below 1; "state", it is being
+        recorded already; "input or output", the file cannot be written.
         """
         if hash_every < 1:
             raise Error("hash_every is %d; accepted: >= 1" % hash_every, _l.E_ARG)

@@ -27,7 +27,7 @@ using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
 struct ContinuedBody {
   std::size_t id = 0;
   /// Both have the same phyxels: displacements, velocities and history are equal bit for bit. Otherwise they are
-  /// interpolated, and relaxed hourglass modes begin anew.
+  /// interpolated, and relaxed hourglass modes are reset.
   bool isSame = false;
   double energyBefore = 0.0, energyAfter = 0.0;  ///< J, elastic and kinetic, of the other body and of this one
 };
@@ -57,8 +57,8 @@ class StateArchive {
   [[nodiscard]] Result<std::vector<std::size_t>> load(std::string_view bytes, std::vector<Obstacle> instruments = {});
   /// Continues at the present time of another simulation, with the state of its bodies. A body here may be filled
   /// differently, for example because its shape was corrected: new material around it follows the motion of the nearest
-  /// phyxels. Contacts are found again. Grabs, instruments and torn connections are those of this simulation at its start.
-  /// Bodies without a counterpart, and static ones, are in their initial state.
+  /// phyxels. Contacts are found again. Grabs, instruments and torn connections are those of this simulation at its
+  /// start. Bodies without a counterpart, and static ones, are in their initial state.
   /// Errors, with nothing changed: a body whose reference was renewed after large flow, or that is rigid in only one of
   /// the simulations; one simulation is quasi-static and the other is not; ids without a body.
   /// @param from    between two steps; not this simulation

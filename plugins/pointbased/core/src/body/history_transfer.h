@@ -11,7 +11,8 @@ namespace pointbased::detail {
 /// @param to    history of a body that is filled as `rest`
 void transferPlasticStrain(const Body &from, State &to, const RestState &rest);
 
-/// Plastic strain and Prony stresses in the same manner. Relaxed hourglass modes begin anew, because they belong to cells.
+/// Plastic strain and Prony stresses in the same manner. Relaxed hourglass modes are reset, because they belong to
+/// cells.
 void transferHistory(const Body &from, State &to, const RestState &rest);
 
 }  // namespace pointbased::detail

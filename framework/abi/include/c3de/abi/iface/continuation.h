@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Optional interface of a simulator, beside iface.simulator: it continues from the state of another one. The host builds
- * a second simulator whose bodies have corrected shapes, and continues with it. */
+/* Optional interface of a simulator, beside iface.simulator: it continues from the state of another one. The host
+ * builds a second simulator whose bodies have corrected shapes, and continues with it. */
 #ifndef C3DE_ABI_IFACE_CONTINUATION_H
 #define C3DE_ABI_IFACE_CONTINUATION_H
 

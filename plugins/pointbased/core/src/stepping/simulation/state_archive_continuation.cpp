@@ -2,6 +2,7 @@
 // A simulation continues from the state of another one whose bodies may be filled differently.
 #include <set>
 
+#include "base/expects.h"
 #include "base/point_tree.h"
 #include "body/history_transfer.h"
 #include "stepping/simulation/simulation_state.h"
@@ -66,7 +67,7 @@ State interpolatedState(const Body &from, const Body &to, const ParallelFor &par
   return state;
 }
 
-/// State of the phyxels alone; the memory of contact and integrators begins anew.
+/// State of the phyxels alone; the memory of contact and integrators is reset.
 State copiedState(const Body &from, const Body &to) {
   State state = to.checkpoint().state;
   const PointHistory &history = from.state().history;
@@ -108,7 +109,8 @@ Result<std::vector<ContinuedBody>> StateArchive::continueFrom(
     checkpoint.body.state =
         isSame ? copiedState(source, target) : interpolatedState(source, target, state_.parallelFor);
     if (state_.progress.steps > 0) checkpoint.body.state.supportTime = state_.rampTime();
-    (void)stepper.restore(checkpoint, state_.parallelFor);
+    const bool isRestored = stepper.restore(checkpoint, state_.parallelFor);
+    POINTBASED_EXPECTS(isRestored, "a checkpoint of the same body");
     target.placeHeld(state_.rampTime(), false);
     target.invalidatePointValues();
     continued.push_back({now, isSame, energyOf(source, state_.parallelFor), energyOf(target, state_.parallelFor)});
