@@ -98,6 +98,7 @@ void SegmentationPanel::drawUpdate(const c3de_ui_v1 &ui) {
     workflow_.setUpdatedLive(isLive);
   }
   text(ui, reason.empty() ? "The mask differs from that of the body." : "Not yet: " + reason + ".");
+  text(ui, "A body of this name exists; another name creates another body.");
 }
 
 void SegmentationPanel::drawBodies(const c3de_ui_v1 &ui) {
