@@ -1,5 +1,5 @@
-# The target `reference`: the documentation as a site that is read without a network, in BUILD/reference, with the Python
-# package and the C headers. It needs Doxygen, Sphinx and MyST (Debian packages doxygen, python3-sphinx,
+# The target `reference`: the documentation as a site that is read without a network, in BUILD/reference, with the
+# Python package and the C headers. It needs Doxygen, Sphinx and MyST (Debian packages doxygen, python3-sphinx,
 # python3-myst-parser); without them it says so. The component `reference` installs it into share/doc/c3de/reference.
 find_program(C3DE_DOXYGEN doxygen)
 set(missing "")

@@ -373,8 +373,8 @@ typedef struct c3de_embed_replay_state {
 #define C3DE_EMBED_REPLAY_END 1u /* everything is repeated */
 
 /* Repeats a recording that c3de_embed_open() has opened, from its present step to its end, or to the limits of
- * `options`. Every recorded state hash is compared. C3DE_E_DIVERGED: the first one differs, and the text names its step.
- * C3DE_E_STATE: the simulation is of no recording. out: may be null. */
+ * `options`. Every recorded state hash is compared. C3DE_E_DIVERGED: the first one differs, and the text names its
+ * step. C3DE_E_STATE: the simulation is of no recording. out: may be null. */
 C3DE_EMBED_API c3de_status c3de_embed_replay(c3de_sim sim, const c3de_embed_run_options *options,
                                              c3de_embed_replay_state *out);
 
