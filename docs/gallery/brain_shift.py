@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Brain shift: a brain settles in its head when fluid runs off. The deformed scan is drawn beside the scan. Needs the
+"""Brain shift: a brain shifts in its head when fluid runs off. The deformed scan is drawn beside the scan. Needs the
 scan of the Debian package mricron-data. Usage: python3 brain_shift.py [FOLDER FOR THE PICTURE]"""
 
 import pathlib

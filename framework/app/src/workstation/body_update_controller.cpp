@@ -107,7 +107,8 @@ void BodyUpdateController::build(const Request &request, std::uint64_t capture) 
 }
 
 void BodyUpdateController::onBuilt(const Request &request, const std::vector<ContinuedBody> &bodies) {
-  // Tissue that a tool held belongs to the earlier body. The tools of the program hold none, and a stroke goes on.
+  // Tissue that a tool held belongs to the earlier body. The tools of the program hold none, and a stroke of the brush
+  // continues.
   if (const registry::Tool *tool = parts_.tools.find(parts_.tools.active()); tool && tool->owner != kProgramOwner)
     parts_.tools.cancelActive();
   const bool hasChanges = request.range.to > request.range.from;

@@ -21,8 +21,8 @@
 
 namespace c3de::app {
 
-/// Undo steps of changes that have no inverse, such as another body. Undo builds the simulation again as it was before, with its state; redo
-/// as it was when it was undone. Main thread. Must outlive the session's jobs and simulation.
+/// Undo steps of changes that have no inverse, such as another body. Undo builds the simulation again as it was before,
+/// with its state; redo as it was when it was undone. Main thread. Must outlive the session's jobs and simulation.
 class SimulationHistory : public registry::SimulationSteps {
  public:
   struct Parts {
@@ -53,8 +53,8 @@ class SimulationHistory : public registry::SimulationSteps {
   /// @param label  "create liver"
   /// @param range  of MaskUndo::ofUpdate
   void add(const std::string &label, MaskUndo mask = MaskUndo::none, const MaskRange &range = {});
-  /// The simulation before what began with a captureBefore(). Valid until add(). Errors: it could not be stored; another
-  /// change has begun since.
+  /// The simulation before what began with a captureBefore(). Valid until add(). Errors: it could not be stored;
+  /// another change has begun since.
   [[nodiscard]] Expected<const CapturedState *> before(std::uint64_t capture) const;
   /// An undo or redo is in progress.
   [[nodiscard]] bool isBusy() const { return !queue_.empty(); }
