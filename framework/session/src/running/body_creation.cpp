@@ -211,7 +211,10 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
             if (log) log->endAdding();
           }
         } const adding(changes.get());
-        return createAll(simulator->get(), changes, *result, progress);
+        auto created = createAll(simulator->get(), changes, *result, progress);
+        // The first frame that shows the simulation shows its state.
+        if (created && result->isNew) publishSnapshot(simulator->get());
+        return created;
       },
       [this, serial, simulator, result, title](const Expected<void> &done) {
         if (serial != serial_) return;
