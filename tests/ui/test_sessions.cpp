@@ -62,9 +62,9 @@ TEST_CASE("a session is saved with its changes and continues in another window",
   CHECK(saved["steps"] == paused["transport"]["steps"]);
   WorkstationDriver window("session_opened");
   window.start({file.string()});
-  const Json opened =
-      C3DE_WAIT(window, "it is opened", s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"] &&
-                                            !row(s, "Surfels").empty());
+  const Json opened = C3DE_WAIT(
+      window, "it is opened",
+      s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"] && !row(s, "Surfels").empty());
   CHECK(title(opened) == "organ.c3de - C3DE");
   CHECK(opened["notifications"].empty());
   CHECK(row(opened, "material.youngs_modulus") == "9 kPa");

@@ -297,8 +297,8 @@ void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::
   showView(*session);
 }
 
-void SessionController::onMade(bool isNew) {
-  if (isNew) begin();
+void SessionController::onMade(bool hasReplaced) {
+  if (hasReplaced) begin();
   baseline_.reset();
 }
 

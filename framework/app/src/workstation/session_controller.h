@@ -48,8 +48,9 @@ class SessionController {
   /// @param notRestored  as WorkstationLoader::Loaded
   void onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session,
                 const std::string &notRestored = {});
-  /// Bodies were made that no file has. @param isNew  in a new simulation
-  void onMade(bool isNew);
+  /// Bodies were created that no file contains. The session of a scan continues. @param hasReplaced  another simulation
+  /// was replaced, and this is another session
+  void onMade(bool hasReplaced);
   void onImageShown();
   void onSelectionRestored();
   void onClosed();

@@ -91,7 +91,7 @@ class Workstation {
   void closeImage();
   void closeSimulation();
   void removeSimulation();
-  void onBodiesJoined(bool isNew);
+  void onBodiesJoined(bool isNew, bool hasReplaced);
   void onLoaded(const WorkstationLoader::Loaded &loaded);
   void beginTissues(std::vector<TissueVoxels> bodies);
   void showLatestResults();
@@ -218,14 +218,14 @@ void Workstation::createControllers() {
   images_.emplace(session, *renderer_, panels_, tools_, std::move(events));
   tissueTable_.emplace(images_->views(), [this] { window_->wake(); });
   warp_.emplace(session, *images_, tissueTable_->tracker(), failed);
-  bodyCreation_.emplace(BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
-                        BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); },
-                                                       [this](const std::string &label, bool isPicked) {
-                                                         using MaskUndo = SimulationHistory::MaskUndo;
-                                                         history_->add(
-                                                             label, isPicked ? MaskUndo::ofCreation : MaskUndo::none);
-                                                       },
-                                                       failed});
+  bodyCreation_.emplace(
+      BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
+      BodyCreationController::Events{[this](bool isNew, bool hasReplaced) { onBodiesJoined(isNew, hasReplaced); },
+                                     [this](const std::string &label, bool isPicked) {
+                                       using MaskUndo = SimulationHistory::MaskUndo;
+                                       history_->add(label, isPicked ? MaskUndo::ofCreation : MaskUndo::none);
+                                     },
+                                     failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
                                                 [this](const auto &file) { replay_->openPast(file); }});
@@ -437,11 +437,11 @@ void Workstation::removeSimulation() {
   warp_->request();
 }
 
-void Workstation::onBodiesJoined(bool isNew) {
+void Workstation::onBodiesJoined(bool isNew, bool hasReplaced) {
   if (isNew) replay_->end();
   if (isNew) simulation_->applyTargetRate();
   measurements_->onBodiesChanged();
-  sessions_->onMade(isNew);
+  sessions_->onMade(hasReplaced);
   report_->begin(false);
   if (isNew) loadedFiles_.clear();
   // Bodies that existed before restart.
