@@ -78,8 +78,8 @@ double diaphragm(const Vec3 &p) {
 double kidney(const Vec3 &p, double side, double z) {
   const Vec3 middle{side * 62.0, 44.0, z};
   const Vec3 q = turned(p, middle, 1, side * 10.0);
-  return carve(ellipsoid(q, middle, {27.0, 24.0, 52.0}), ellipsoid(q, middle - Vec3{side * 27.0, 6.0, 0.0}, {12, 14, 17}),
-               8.0);
+  return carve(ellipsoid(q, middle, {27.0, 24.0, 52.0}),
+               ellipsoid(q, middle - Vec3{side * 27.0, 6.0, 0.0}, {12, 14, 17}), 8.0);
 }
 
 double spleenAt(const Vec3 &p) {
@@ -170,7 +170,9 @@ Tissue organsInFront(const Vec3 &p, double beside) {
     return {gall > -2.0 ? 50.0 : 8.0, gallbladder};
   else if (gall < 2.0)
     return {-95.0, none};
-  const double inLiver = std::max(liver(q), 2.5 - beside);
+  // Not behind the great vessels.
+  const double behind = std::min({p[1] - 22.0, p[0] + 34.0, 60.0 - p[0]});
+  const double inLiver = std::max({liver(q), 2.5 - beside, behind});
   if (inLiver < 0.0) {
     if (ellipsoid(q, {-58, -18, -14}, {13, 12, 13}) < 0.0) return {62.0, tumour};
     return {veins(q) < 0.0 ? 168.0 : 108.0, liverLabel};

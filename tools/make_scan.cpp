@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ constexpr std::array<std::size_t, 3> kSize{112, 80, 56};
 constexpr Vec3 kSpacing_mm{2.9, 2.9, 4.0};
 constexpr std::size_t kSamples = 2;  // along each axis of a voxel, for the mixture of tissues at its borders
 constexpr double kNoise_HU = 9.0;
+constexpr double kAirBelow_HU = -120.0, kBoneFrom_HU = 200.0;
 
 /// Turned by 4 degrees about x and 2.5 degrees about z, as patients lie; the middle of the grid is the origin.
 imaging::VolumeGeometry slightlyOblique() {
@@ -58,6 +60,14 @@ class Noise {
   std::uint64_t state_ = 20040827;
 };
 
+/// Without those that have no label; 0: there is none.
+std::uint16_t mostFrequent(const std::map<std::uint16_t, int> &samples) {
+  std::uint16_t found = 0;
+  for (const auto &[label, count] : samples)
+    if (label != 0 && (found == 0 || count > samples.at(found))) found = label;
+  return found;
+}
+
 struct Scan {
   imaging::Volume image;
   imaging::LabelMap labels;
@@ -77,22 +87,29 @@ Scan make() {
               {static_cast<double>(i) + u, static_cast<double>(j) + v, static_cast<double>(k) + w}));
         };
         double mean = 0.0;
+        std::map<std::uint16_t, int> samples;  // of each label
         constexpr double kStep = 1.0 / kSamples, kFirst = 0.5 * kStep - 0.5;
         for (std::size_t s = 0; s < kSamples * kSamples * kSamples; ++s) {
           const std::size_t u = s % kSamples, v = s / kSamples % kSamples, w = s / (kSamples * kSamples);
-          mean += at(kFirst + kStep * static_cast<double>(u), kFirst + kStep * static_cast<double>(v),
-                     kFirst + kStep * static_cast<double>(w))
-                      .hounsfield;
+          const tools::Tissue tissue =
+              at(kFirst + kStep * static_cast<double>(u), kFirst + kStep * static_cast<double>(v),
+                 kFirst + kStep * static_cast<double>(w));
+          mean += tissue.hounsfield;
+          ++samples[tissue.label];
         }
         mean /= static_cast<double>(kSamples * kSamples * kSamples);
         values.push_back(static_cast<std::int16_t>(std::lround(std::max(-1024.0, mean + kNoise_HU * noise.next()))));
-        out.labels.voxels.push_back(at(0.0, 0.0, 0.0).label);
+        std::uint16_t label = at(0.0, 0.0, 0.0).label;
+        // What looks like bone or air at a border belongs to the label of which it has a part.
+        if (label == 0 && (mean > kBoneFrom_HU || mean < kAirBelow_HU)) label = mostFrequent(samples);
+        out.labels.voxels.push_back(label);
       }
   out.image.voxels = std::move(values);
   const auto linear = [](double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); };
   for (std::size_t n = 0; n < tools::abdomenLabels().size(); ++n) {
     const auto &[name, colour] = tools::abdomenLabels()[n];
-    out.labels.labels.push_back({static_cast<std::uint16_t>(n + 1), name,
+    out.labels.labels.push_back({static_cast<std::uint16_t>(n + 1),
+                                 name,
                                  {static_cast<float>(linear(colour[0])), static_cast<float>(linear(colour[1])),
                                   static_cast<float>(linear(colour[2]))}});
   }
@@ -113,7 +130,8 @@ int main(int argc, char **argv) {
   if (const auto saved = imaging::writeLabelMap(argv[2], scan.labels); !saved) return fail(saved.error().message);
   for (const auto &label : scan.labels.labels) {
     const auto voxels = std::count(scan.labels.voxels.begin(), scan.labels.voxels.end(), label.value);
-    fmt::print("{:20} {:7.1f} ml\n", label.name, static_cast<double>(voxels) * scan.labels.geometry.voxelVolume() * 1e-3);
+    fmt::print("{:20} {:7.1f} ml\n", label.name,
+               static_cast<double>(voxels) * scan.labels.geometry.voxelVolume() * 1e-3);
   }
   return 0;
 }

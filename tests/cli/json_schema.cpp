@@ -38,7 +38,9 @@ class Checker {
   std::vector<std::string> found;
 
  private:
-  void add(const std::string &path, const std::string &what) { found.push_back((path.empty() ? "/" : path) + ": " + what); }
+  void add(const std::string &path, const std::string &what) {
+    found.push_back((path.empty() ? "/" : path) + ": " + what);
+  }
 
   void checkAny(const json &schemas, const json &value, const std::string &path) {
     std::string all;

@@ -44,7 +44,8 @@ TEST_CASE("The shipped scan is a small oblique CT whose labels are on its grid")
   REQUIRE(image);
   REQUIRE(read);
   CHECK(read->notices.empty());
-  CHECK(std::filesystem::file_size(kScans / "abdomen.nii.gz") + std::filesystem::file_size(kScans / "abdomen_labels.nrrd") <
+  CHECK(std::filesystem::file_size(kScans / "abdomen.nii.gz") +
+            std::filesystem::file_size(kScans / "abdomen_labels.nrrd") <
         1'500'000);
   const LabelMap &map = read->labels;
   CHECK(sameGrid(image->volume.geometry, map.geometry));
