@@ -116,6 +116,8 @@ constexpr CommandInfo kCommands[] = {
     {Command::orbitTool, "tools.orbit", "Orbit", "The left button turns the camera", 0, 'O'},
     {Command::managePlugins, "plugins.manage", "Manage plugins…", "What was loaded, refused and switched off, and why",
      0, 'P', C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+    {Command::openGuide, "help.guide", "User guide",
+     "Open the guide of this version in your browser; it needs no network"},
     {Command::findCommand, "help.find_command", "Find a command…", "Find commands and tools by name or description", 0,
      'K', C3DE_MOD_CTRL},
     {Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keyboard and mouse", 0, 'H', 0, keyF1},

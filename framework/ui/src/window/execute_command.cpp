@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "window/execute_command.h"
 
+#include "c3de/abi/log.h"
+#include "c3de/core/platform.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/segmentation/scan_body.h"
 #include "frame/file_dialog.h"
+#include "frame/guide.h"
 
 namespace c3de::ui {
 namespace {
@@ -11,6 +14,15 @@ namespace {
 constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate", *kSessionExtensions = "c3de",
                      *kRecordingExtensions = "c3dr";
 constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
+
+void openGuide(FrameContext &frame) {
+  const auto opened = showInBrowser(findGuide(executablePath().parent_path()));
+  if (!frame.services.panels) return;
+  if (opened)
+    frame.services.panels->notify(C3DE_LOG_INFO, "User guide", "Opened in your browser: " + opened->string());
+  else
+    frame.services.panels->notify(C3DE_LOG_WARN, "User guide", opened.error().message);
+}
 
 void openDialog(FrameContext &frame, bool isMesh) {
   const WindowServices &services = frame.services;
@@ -282,6 +294,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::orbitTool:
       if (frame.services.tools) frame.services.tools->activate({});
       break;
+    case Command::openGuide: openGuide(frame); break;
     case Command::findCommand: frame.state.palette = {.isShown = true}; break;
     case Command::showShortcuts: frame.state.showShortcuts = true; break;
     case Command::showMessages: frame.state.showMessages = true; break;

@@ -66,6 +66,7 @@ enum class Command {
   loadState,
   orbitTool,
   managePlugins,
+  openGuide,
   findCommand,
   showShortcuts,
   showMessages,
