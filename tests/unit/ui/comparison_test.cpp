@@ -2,7 +2,9 @@
 #include "c3de/ui/comparison.h"
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <tuple>
 
 #include "c3de/abi/tools.h"
 #include "c3de/registry/edit_list.h"

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
+#include <string>
+#include <utility>
 
 #include "c3de/core/path_text.h"
 #include "logic/panel_widgets.h"
