@@ -125,7 +125,7 @@ TEST_CASE("a second scan is aligned by landmarks, undone, compared in squares, a
   window.screenshotAtRest("alone");
   openComparison(window, second);
   C3DE_WAIT(window, "the second scan is there", textOf(s, kSecond + "name") == second.filename().string());
-  C3DE_WAIT(window, "it has the place of its file",
+  C3DE_WAIT(window, "it has the position of its file",
             textOf(s, kSecond + "text") == second.filename().string() + " 50 %");
   window.enterNumber("comparison/window", "1700");
   window.enterNumber("comparison/level", "-150");
@@ -320,7 +320,7 @@ TEST_CASE("a body deforms the open image, and the second scan stays where it is"
   startOn(window, {scene.string()});
   C3DE_WAIT(window, "the block is there", s["transport"]["exists"].get<bool>());
   openComparison(window, image);
-  C3DE_WAIT(window, "the same scan lies over it", textOf(s, kSecond + "name") == image.filename().string());
+  C3DE_WAIT(window, "the same scan is shown over it", textOf(s, kSecond + "name") == image.filename().string());
   window.choose("comparison/mode", "checkerboard");
   window.moveTo(pixelOf(window, "axial", {10, 20, 0}));
   window.key("space");

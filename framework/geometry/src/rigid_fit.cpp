@@ -34,8 +34,7 @@ std::string problemOf(std::span<const Vec3> points, const char *name) {
   // Coordinates of scans have some 0.01 mm; points closer than round-off are one.
   const double largest = std::max({1.0, std::abs(middle[0]), std::abs(middle[1]), std::abs(middle[2])});
   if (extent <= 1e-9 * largest)
-    return fmt::format("the {} points are in one place; accepted: at least three points that are in no straight line",
-                       name);
+    return fmt::format("the {} points coincide; accepted: at least three points that are in no straight line", name);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Vec3 &p : points) {
     const Vec3 d = p - middle;

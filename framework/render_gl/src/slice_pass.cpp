@@ -33,8 +33,8 @@ std::array<Vec3, 2> directionsInPlane(const Vec3 &normal, const Vec3 &wanted) {
   return {};
 }
 
-/// How many squares of a side lie between a point and the first image's middle, in one direction, as a linear function
-/// of local coordinates.
+/// Number of squares between a point and the middle of the first image, in one direction, as a linear function of local
+/// coordinates.
 std::array<float, 4> squaresAlong(const Vec3 &direction, const ImageSlot &image, double side_mm,
                                   const Mat4 &worldFromLocal) {
   Vec3 middle{};

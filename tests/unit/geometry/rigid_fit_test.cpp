@@ -112,7 +112,8 @@ TEST_CASE("Points that define no rotation are refused, with the reason", "[rigid
   CHECK_THAT(refusal(line, moved(matrixOf({{5, 5, 5}, {10, 20, 30}, {}}), line)), Contains("in a straight line"));
   const std::vector<Vec3> four(kPoints.begin(), kPoints.begin() + 4);
   CHECK_THAT(refusal(four, line), Contains("the 4 fixed points are in a straight line"));
-  CHECK_THAT(refusal({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}, {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), Contains("in one place"));
+  CHECK_THAT(refusal({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}, {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}),
+             Contains("the moving points coincide"));
   std::vector<Vec3> broken = kPoints;
   broken[2][1] = std::numeric_limits<double>::quiet_NaN();
   CHECK_THAT(refusal(kPoints, broken), Contains("pair 3") && Contains("not finite"));

@@ -71,7 +71,7 @@ ImageDisplay lookAt(Handle first, Handle second) {
 
 }  // namespace
 
-TEST_CASE("A second image in another place is shown where its rigid motion brings it", "[comparison]") {
+TEST_CASE("A second image at another position is shown where its rigid motion brings it", "[comparison]") {
   C3DE_GL_OR_SKIP(gl);
   Phantom phantom = plainPhantom();
   ImageRenderer &images = *gl.renderer->images();

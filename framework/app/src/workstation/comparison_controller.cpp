@@ -97,7 +97,7 @@ std::vector<std::string> ComparisonController::noticesOf(const ImageToRead &want
   if (pending_) return {};
   if (isSameFile(wanted.path, parts_.images.file()))
     return {"It is the file of the open image. The comparison shows what a simulation changes."};
-  if (isSame) return {"Its voxels are those of the open image, in the same place."};
+  if (isSame) return {"Its voxels are those of the open image, at the same positions."};
   return {};
 }
 

@@ -59,7 +59,7 @@ Expected<LandmarkAlignment> alignByLandmarks(std::span<const NamedPoint> fixed, 
   if (!fit) {
     std::string why = fit.error().message;
     if (!alone.empty()) why += fmt::format(". The first scan has no landmark {}", listOf(alone));
-    if (fixed.empty()) why += ". It has no landmarks at all: place some, or load a file of them";
+    if (fixed.empty()) why += ". It has no landmarks at all: add some, or load a file of them";
     return fail(fit.error().code, why);
   }
   return LandmarkAlignment{geometry::poseOf(fit->fixedFromMoving, centre_mm), from.size(), fit->mean_mm, fit->max_mm};

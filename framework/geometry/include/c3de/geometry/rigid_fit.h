@@ -42,7 +42,7 @@ inline constexpr double kCollinear = 1e-3;
 /// Any thread.
 /// @param moving, fixed  pairs in the same order, mm
 /// Errors (usage): different counts, fewer than three pairs, coordinates that are not finite, points of one of the sets
-/// in a straight line or in one place.
+/// in a straight line or coincident.
 [[nodiscard]] Expected<RigidFit> fitRigid(std::span<const Vec3> moving, std::span<const Vec3> fixed);
 
 }  // namespace c3de::geometry

@@ -59,7 +59,7 @@ class Comparison {
   Comparison &operator=(const Comparison &) = delete;
   ~Comparison();
 
-  /// A scan in its own place, with automatic window and level; the other options stay. Steps of undo of another scan
+  /// A scan at the position of its file, with automatic window and level; the other options stay. Steps of undo of another scan
   /// end. @param handle  of the renderer, whose owner removes it
   void set(std::shared_ptr<const scene::StoredImage> image, Handle handle);
   /// No scan.
