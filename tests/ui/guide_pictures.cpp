@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "c3de/imaging/reading.h"
+#include "c3de/imaging/writing.h"
 #include "support/catch.h"
 #include "support/environment.h"
 #include "ui/scan_window.h"
@@ -94,6 +96,35 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   C3DE_WAIT(window, "the preset is set", s["values"].value("image/preset", "") == "CT abdomen (4)");
   std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
   window.screenshot("image");
+}
+
+TEST_CASE("A picture of two scans for the user guide", "[.guide][.guide_comparison]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  // The same patient, 5 degrees and some millimetres off.
+  auto read = imaging::readVolume(image);
+  REQUIRE(read);
+  const double c = std::cos(0.087), s = std::sin(0.087);
+  Mat4 &place = read->volume.geometry.indexToWorld;
+  place = multiply({c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 6, -9, 4, 1}, place);
+  const std::filesystem::path second = outputFile("guide_follow_up.nrrd");
+  REQUIRE(imaging::writeVolume(second, read->volume));
+  WorkstationDriver window("guide");
+  window.start({image.string()});
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
+  window.clickMenu("file.open_comparison");
+  window.openFile(second);
+  C3DE_WAIT(window, "both are shown", textOf(s, "comparison/name") == second.filename().string());
+  window.moveTo(window.inPane("axial", 0.5, 0.5));
+  window.key("4");
+  window.click("image/header");
+  window.click("segmentation/header");
+  window.choose("comparison/mode", "checkerboard");
+  window.enterNumber("comparison/square", "40");
+  window.enterNumber("comparison/window", "300");
+  window.enterNumber("comparison/level", "110");
+  window.clickAt(window.inPane("axial", 0.31, 0.62));
+  window.screenshotAtRest("comparison");
 }
 
 TEST_CASE("A picture of the brush for the user guide", "[.guide][.guide_brush]") {

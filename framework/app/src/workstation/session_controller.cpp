@@ -68,8 +68,9 @@ SessionController::Baseline SessionController::present() const {
   const segmentation::SegmentationWorkflow &workflow = parts_.images.workflow();
   const bool isPicked = workflow.mask().mask() || (!workflow.mask().isBusy() && !workflow.pickedLabels().empty());
   const std::uint64_t selection = isPicked ? workflow.mask().revision() : 0;
-  if (simulation == nullptr) return {0, 0, 0, measurements, selection};
-  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection};
+  const std::uint64_t comparison = parts_.comparison.revision();
+  if (simulation == nullptr) return {0, 0, 0, measurements, selection, comparison};
+  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection, comparison};
 }
 
 SessionController::Unsaved SessionController::unsaved() const {
@@ -80,6 +81,7 @@ SessionController::Unsaved SessionController::unsaved() const {
         !baseline_ || saved.simulation != now.simulation || saved.changes != now.changes || saved.steps != now.steps;
   if (baseline_ || !parts_.measurements.set().isEmpty()) out.measurements = saved.measurements != now.measurements;
   out.selection = saved.selection != now.selection;
+  out.comparison = saved.comparison != now.comparison && !parts_.comparison.isRestoring();
   return out;
 }
 
@@ -104,6 +106,10 @@ ShownView SessionController::shownView() const {
     shown.view.crossHair_mm = views.crossHair();
     shown.view.window = views.options().windowLevel.window;
     shown.view.level = views.options().windowLevel.level;
+    if (const auto second = parts_.comparison.shown()) {
+      shown.comparison = second->file;
+      shown.view.comparison = second->saved;
+    }
   }
   if (const segmentation::Selection picked = parts_.images.workflow().selection(); !picked.isEmpty()) {
     shown.mask = picked.mask;
@@ -139,6 +145,7 @@ void SessionController::measure(std::function<void(const std::string &)> measure
   const ShownView shown = shownView();
   std::vector<std::filesystem::path> files = shown.labels;
   if (!shown.image.empty()) files.push_back(shown.image);
+  if (!shown.comparison.empty()) files.push_back(shown.comparison);
   const auto sum = std::make_shared<FileStamp>();
   (void)parts_.session.jobs().submit(
       kJobOwner, "Counting the files of the session",
@@ -308,15 +315,16 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
   if (view.measurements) parts_.measurements.assign(setOf(*view.measurements));
   pendingView_ = view;
   pendingMask_ = opened.mask;
-  if (view.image.empty()) return onImageShown();
-  // A scene with an image has opened it, in the series that it names.
-  const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
-  if (first != nullptr && first->image && (view.series.empty() || view.series == first->image->series)) return;
   const auto placeOf = [&opened](const std::string &path) {
     for (const FoundFile &file : opened.files)
       if (file.file.path == path) return file.at;
     return pathFromText(path);
   };
+  pendingComparison_ = view.comparison ? placeOf(view.comparison->image) : std::filesystem::path();
+  if (view.image.empty()) return onImageShown();
+  // A scene with an image has opened it, in the series that it names.
+  const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
+  if (first != nullptr && first->image && (view.series.empty() || view.series == first->image->series)) return;
   std::vector<std::filesystem::path> labels;
   for (const std::string &path : view.labels) labels.push_back(placeOf(path));
   parts_.images.open(placeOf(view.image), labels, view.series, static_cast<std::size_t>(view.time),
@@ -326,6 +334,7 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
 void SessionController::onImageShown() {
   if (!pendingView_) return;
   const SessionView view = *std::exchange(pendingView_, std::nullopt);
+  if (!view.comparison) onComparisonRestored();
   ui::ImageViews &views = parts_.images.views();
   if (views.image() != nullptr) {
     views.chooseTime(static_cast<std::size_t>(view.time));
@@ -342,6 +351,7 @@ void SessionController::onImageShown() {
           picked.labels.push_back(static_cast<std::uint16_t>(label));
       parts_.images.restoreSelection(std::move(picked));
     }
+    if (view.comparison) parts_.comparison.restore(std::exchange(pendingComparison_, {}), *view.comparison);
   }
   if (!view.camera) return;
   render::Camera pose = parts_.window.camera();
@@ -354,6 +364,10 @@ void SessionController::onImageShown() {
 
 void SessionController::onSelectionRestored() {
   if (baseline_) baseline_->selection = present().selection;
+}
+
+void SessionController::onComparisonRestored() {
+  if (baseline_) baseline_->comparison = present().comparison;
 }
 
 void SessionController::onClosed() { begin(); }

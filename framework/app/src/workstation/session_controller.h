@@ -15,6 +15,7 @@
 #include "c3de/session/session.h"
 #include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
+#include "workstation/comparison_controller.h"
 #include "workstation/messages.h"
 #include "workstation/missing_files_controller.h"
 #include "workstation/session_recovery.h"
@@ -34,6 +35,7 @@ class SessionController {
     WorkstationImages &images;
     ui::WorkstationWindow &window;
     ui::MeasurementList &measurements;
+    ComparisonController &comparison;
     ReportError failed;
   };
   explicit SessionController(Parts parts);
@@ -53,18 +55,20 @@ class SessionController {
   void onMade(bool hasReplaced);
   void onImageShown();
   void onSelectionRestored();
+  void onComparisonRestored();
   void onClosed();
   /// Of the present session; empty: not saved yet.
   [[nodiscard]] const std::filesystem::path &file() const { return file_; }
   /// What differs from the file.
   struct Unsaved {
     bool simulation = false, measurements = false;
-    bool selection = false;  ///< what is picked or painted in the image
+    bool selection = false;   ///< what is picked or painted in the image
+    bool comparison = false;  ///< the pose of the second scan
   };
   [[nodiscard]] Unsaved unsaved() const;
   [[nodiscard]] bool isModified() const {
     const Unsaved parts = unsaved();
-    return parts.simulation || parts.measurements || parts.selection;
+    return parts.simulation || parts.measurements || parts.selection || parts.comparison;
   }
   /// Called about once a second: writes what is not saved yet to the recovery file.
   void autosaveIfDue();
@@ -89,6 +93,7 @@ class SessionController {
     std::uint64_t changes = 0, steps = 0;
     std::uint64_t measurements = 0;  ///< revision
     std::uint64_t selection = 0;     ///< revision of the mask; 0: nothing is picked
+    std::uint64_t comparison = 0;    ///< revision of the pose; 0: as in its file
     friend bool operator==(const Baseline &, const Baseline &) = default;
   };
 
@@ -120,7 +125,8 @@ class SessionController {
   SessionFile foreign_;                     ///< members and keys of the opened session that this program does not know
   std::optional<SessionView> pendingView_;  ///< applied when the image is shown
   std::shared_ptr<const imaging::Mask> pendingMask_;
-  std::filesystem::path recovered_;  ///< recovery file of another run; empty: none
+  std::filesystem::path pendingComparison_;  ///< file of pendingView_->comparison
+  std::filesystem::path recovered_;          ///< recovery file of another run; empty: none
   SessionRecovery recovery_;
   std::optional<Baseline> autosaved_;
   Clock::time_point autosaveTried_ = Clock::now();

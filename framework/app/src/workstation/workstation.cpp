@@ -30,6 +30,7 @@
 #include "commands/last_crash.h"
 #include "workstation/body_creation_controller.h"
 #include "workstation/body_update_controller.h"
+#include "workstation/comparison_controller.h"
 #include "workstation/export_controller.h"
 #include "workstation/figure_controller.h"
 #include "workstation/measurement_controller.h"
@@ -119,6 +120,7 @@ class Workstation {
   std::optional<ReplayController> replay_;
   std::optional<ReportController> report_;
   std::optional<MeasurementController> measurements_;
+  std::optional<ComparisonController> comparison_;
   std::optional<FigureController> figures_;
   std::optional<PlotController> plots_;
   std::optional<SessionController> sessions_;
@@ -194,6 +196,7 @@ void Workstation::createControllers() {
   WorkstationImages::Events events;
   events.shown = [this] { onImageShown(); };
   events.closed = [this] {
+    comparison_->close();
     warp_->stop();
     figures_->onImageChanged();
   };
@@ -213,6 +216,9 @@ void Workstation::createControllers() {
     history_->captureBefore([this, scene](std::uint64_t) { bodyCreation_->createScanBody(scene); });
   };
   events.closeSimulation = [this] { closeSimulation(); };
+  events.compareWith = [this](const std::filesystem::path &file, const std::string &series) {
+    comparison_->open(file, series);
+  };
   events.selectionRestored = [this] { sessions_->onSelectionRestored(); };
   events.askForLabelFile = [this] { window_->request(ui::Command::saveLabels); };
   images_.emplace(session, *renderer_, panels_, tools_, std::move(events));
@@ -239,10 +245,13 @@ void Workstation::createControllers() {
   report_.emplace(ReportController::Parts{session, panels_, parameters_, keptLog_, renderer_->description(), failed});
   measurements_.emplace(
       MeasurementController::Parts{session, panels_, edits_, tools_, *images_, *window_, *renderer_, failed});
+  comparison_.emplace(ComparisonController::Parts{session, *renderer_, panels_, edits_, tools_, *images_,
+                                                  measurements_->list(), failed,
+                                                  [this] { sessions_->onComparisonRestored(); }});
   figures_.emplace(FigureController::Parts{session, panels_, *window_, *renderer_, *images_, *measurements_, failed});
   plots_.emplace(PlotController::Parts{session, panels_, *measurements_, *figures_, failed});
-  sessions_.emplace(
-      SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(), failed});
+  sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(),
+                                             *comparison_, failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
   bodyUpdates_.emplace(
@@ -278,6 +287,7 @@ ui::WindowActions Workstation::actions() {
   simulation_->connect(actions);
   exports_->connect(actions);
   measurements_->connect(actions);
+  comparison_->connect(actions);
   figures_->connect(actions);
   plots_->connect(actions);
   recording_->connect(actions);
@@ -389,6 +399,7 @@ std::string Workstation::unsaved() {
     add("The simulation, at t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s, has changes that are not saved.");
   if (unsaved.measurements) add("The measurements are not saved.");
+  if (unsaved.comparison) add("The position of the second scan is not saved.");
   if (replay_->hasKept()) add("The simulation from before the timeline was shown is not saved.");
   if (unsaved.selection && !images_->isMaskSaved())
     add("What is picked in the image is not saved, and no body has been created of it.");

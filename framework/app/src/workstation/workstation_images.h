@@ -45,6 +45,8 @@ class WorkstationImages {
     std::function<void()> closeSimulation;
     std::function<void()> askForLabelFile;  ///< ends with saveLabels()
     std::function<void()> selectionRestored;
+    /// The user wants the image that was open before as a second scan over the present one.
+    std::function<void(const std::filesystem::path &, const std::string &series)> compareWith;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
                     registry::ToolRegistry &tools, Events events);
@@ -99,6 +101,8 @@ class WorkstationImages {
  private:
   void show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation);
   void offerToCloseSimulation(const std::string &image);
+  /// @param former  file of the image that was open before
+  void offerToCompare(const std::filesystem::path &former, const std::string &series);
   /// Reads another time point of the open image and replaces it.
   void readTime(std::size_t time);
   void showTime(std::shared_ptr<scene::StoredImage> image);

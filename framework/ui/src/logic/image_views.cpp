@@ -43,11 +43,14 @@ const char *paneName(Pane pane) {
 std::string Readout::placeText() const {
   const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
   std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
-  if (isEmptied) return text + "   vacated by a body";
-  if (!index) return text;
-  text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
-  if (!unit.empty()) text += " " + unit;
-  if (!label.empty()) text += "   " + label;
+  if (isEmptied) {
+    text += "   vacated by a body";
+  } else if (index) {
+    text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
+    if (!unit.empty()) text += " " + unit;
+    if (!label.empty()) text += "   " + label;
+  }
+  if (second) text += fmt::format("   second {:.6g}{}{}", *second, secondUnit.empty() ? "" : " ", secondUnit);
   return text;
 }
 
@@ -353,6 +356,15 @@ bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
 }
 
 Readout ImageViews::readout(const Vec3 &world) const {
+  Readout readout = readoutOfImage(world);
+  if (isCompared()) {
+    readout.second = comparison_->valueAt(world);
+    readout.secondUnit = comparison_->image()->volume.unit;
+  }
+  return readout;
+}
+
+Readout ImageViews::readoutOfImage(const Vec3 &world) const {
   Readout readout;
   readout.world = world;
   if (!image_) return readout;
@@ -396,6 +408,7 @@ render::ImageDisplay ImageViews::look() const {
   look.bodies = handles_.bodies;
   look.hasFixedRegions = warp() && warp()->hasFixedRegions;
   look.missing = handles_.missing;
+  if (isCompared()) look.comparison = comparison_->look();
   look.leastGap = warp() ? warp()->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;
@@ -421,7 +434,7 @@ render::ImageScene ImageViews::scene() const {
     for (const Pane pane : kSlicePanes) {
       const SliceView &v = view(pane);
       scene.slices.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), v.frame().forward,
-                              kPaneColours[static_cast<std::size_t>(pane)]});
+                              kPaneColours[static_cast<std::size_t>(pane)], v.frame().right});
     }
   for (const Pane pane : kSlicePanes) {
     const SliceCut cut = options_.cuts[static_cast<std::size_t>(pane)];

@@ -45,6 +45,15 @@ void openImageDialog(FrameContext &frame, bool areLabels) {
   frame.fileDialog.open(std::move(request));
 }
 
+void openComparisonDialog(FrameContext &frame) {
+  FileDialog::Request request;
+  request.title = "Open as comparison: a file, or any file of a DICOM series";
+  request.chosen = [open = frame.actions.openComparison](const std::filesystem::path &file, const std::string &) {
+    if (open) open(file);
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
 void openFolderDialog(FrameContext &frame) {
   FileDialog::Request request;
   request.title = "Open DICOM folder";
@@ -119,6 +128,11 @@ void resetView(FrameContext &frame, std::optional<Pane> pane) {
   if (pane.value_or(Pane::space) != Pane::space) return;
   resetCamera(frame.camera);
   frame.state.framesToFit = 1;
+}
+
+bool hasComparison(const FrameContext &frame) {
+  const ImageViews *images = frame.shownImages();
+  return images && images->comparison() && images->comparison()->image();
 }
 
 bool hasContent(const FrameContext &frame) { return frame.simulation.exists || frame.shownImages(); }
@@ -209,7 +223,7 @@ bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
   if (needs(needsTimeline) && !frame.simulation.hasTimeline) return false;
   if (needs(needsNoReplay) && frame.simulation.replay) return false;
   return (!needs(needsContent) || hasContent(frame)) && (!needs(needsSimulation) || frame.simulation.exists) &&
-         (!needs(needsImage) || frame.shownImages()) &&
+         (!needs(needsImage) || frame.shownImages()) && (!needs(needsComparison) || hasComparison(frame)) &&
          (!needs(needsLabels) || (services.scanBody && services.scanBody->isPossible())) &&
          (!needs(needsTissues) || (services.tissues && !services.tissues->rows.empty()));
 }
@@ -241,6 +255,8 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::openFolder: openFolderDialog(frame); break;
     case Command::openLabels: openImageDialog(frame, true); break;
     case Command::createScanBody: frame.services.scanBody->show(true); break;
+    case Command::openComparison: openComparisonDialog(frame); break;
+    case Command::closeComparison: call(frame.actions.closeComparison); break;
     case Command::closeImage: call(frame.actions.closeImage); break;
     case Command::closeSimulation: call(frame.actions.closeSimulation); break;
     case Command::reload: call(frame.actions.reload); break;

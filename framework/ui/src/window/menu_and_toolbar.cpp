@@ -43,10 +43,11 @@ void commandItem(FrameContext &frame, const CommandInfo &info) {
   markItem(frame, "menu", info.id, isEnabled);
   const char *missing = (info.flags & needsTimeline) != 0 && frame.simulation.exists
                             ? " (the simulation was not recorded)"
-                        : (info.flags & needsTissues) != 0 ? " (no body of many tissues is there)"
-                        : (info.flags & needsLabels) != 0  ? " (no image with a label map over it is open)"
-                        : (info.flags & needsImage) != 0   ? " (no image is open)"
-                                                           : " (nothing is loaded)";
+                        : (info.flags & needsTissues) != 0    ? " (no body of many tissues is there)"
+                        : (info.flags & needsLabels) != 0     ? " (no image with a label map over it is open)"
+                        : (info.flags & needsComparison) != 0 ? " (no second scan is open)"
+                        : (info.flags & needsImage) != 0      ? " (no image is open)"
+                                                              : " (nothing is loaded)";
   if ((info.flags & needsNoReplay) != 0 && frame.simulation.replay) return itemTooltip(frame, kReplayLocks);
   itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + missing);
 }

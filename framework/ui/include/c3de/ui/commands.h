@@ -16,7 +16,9 @@ enum class Command {
   openImage,
   openFolder,
   openLabels,
+  openComparison,
   createScanBody,
+  closeComparison,
   closeImage,
   closeSimulation,
   reload,
@@ -97,8 +99,9 @@ enum CommandFlag : std::uint32_t {
   needsContent = 32,    ///< a simulation or an image
   needsRecording = 64,  ///< the simulation is being recorded
   needsNoRecording = 128,
-  needsTimeline = 512,  ///< the simulation is being recorded, or was
-  needsNoReplay = 256   ///< it changes the simulation, or stores its state
+  needsTimeline = 512,    ///< the simulation is being recorded, or was
+  needsNoReplay = 256,    ///< it changes the simulation, or stores its state
+  needsComparison = 1024  ///< a second scan over the image
 };
 
 /// A command as menus, keyboard, list of shortcuts and automation use it. executeCommand() executes it.

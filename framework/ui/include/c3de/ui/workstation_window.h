@@ -146,6 +146,8 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of the settings in the scan dialog
   /// Proposed name for a file of that export, without folder and extension; empty: no proposal.
   std::function<std::string(Command exported)> proposeName;
+  std::function<void(const std::filesystem::path &)> openComparison;  ///< a second scan over the image
+  std::function<void()> closeComparison;
   std::function<void()> closeImage, closeSimulation;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, as display text; empty if nothing
   /// Writes the session; `saved` is called after it is complete on the disk, and not after a failure.
