@@ -14,8 +14,9 @@ set(C3DE_MAINTAINER "The C3DE authors <c3de@example.org>" CACHE STRING "Maintain
 
 # --- parts of components once more --------------------------------------------------------------------------------------------
 install(TARGETS c3de_embed LIBRARY DESTINATION lib COMPONENT package_library NAMELINK_SKIP EXCLUDE_FROM_ALL)
-install(TARGETS c3de_embed LIBRARY DESTINATION lib COMPONENT package_embed NAMELINK_ONLY EXCLUDE_FROM_ALL
-  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT package_embed EXCLUDE_FROM_ALL)
+install(TARGETS c3de_embed LIBRARY DESTINATION lib COMPONENT package_embed NAMELINK_ONLY EXCLUDE_FROM_ALL)
+install(FILES "${PROJECT_SOURCE_DIR}/framework/embed/include/c3de/embed.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/c3de"
+  COMPONENT package_embed EXCLUDE_FROM_ALL)
 install(EXPORT C3DEEmbed NAMESPACE c3de:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/C3DE" COMPONENT package_embed EXCLUDE_FROM_ALL)
 install(FILES "${PROJECT_BINARY_DIR}/c3de-embed.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT package_embed
   EXCLUDE_FROM_ALL)
