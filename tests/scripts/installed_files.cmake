@@ -6,10 +6,8 @@ include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 set(prefix "${PLACE}/prefix")
 file(REMOVE_RECURSE "${PLACE}")
 foreach(component runtime sdk pointbased embed)
-  run("${CMAKE_COMMAND}" --install "${BUILD}" --component ${component} --prefix "${prefix}")
+  install_component("${BUILD}" ${component} "${prefix}" "${PLACE}/manifests")
 endforeach()
-file(GLOB manifests "${BUILD}/install_manifest_*.txt")
-file(COPY ${manifests} DESTINATION "${PLACE}/manifests")
 
 set(wanted bin/c3de bin/c3de-workstation bin/c3de-validate lib/libc3de.so lib/libc3de.so.0 lib/c3de/plugins/pointbased.so
   lib/c3de/study/baselines.so lib/python3/dist-packages/c3de/__init__.py include/c3de/embed.h include/c3de/abi/entry.h include/c3de/sdk/plugin.hpp
