@@ -36,9 +36,10 @@ if(NOT CMAKE_CROSSCOMPILING)
   find_program(C3DE_GZIP gzip DOC "Compresses installed man pages")
   install(CODE "string(RANDOM LENGTH 12 tag)
     set(manual \"${PROJECT_BINARY_DIR}/manual-\${tag}\")
-    execute_process(COMMAND \"$<TARGET_FILE:c3de>\" write-manual \"\${manual}\" --date ${C3DE_RELEASE_DATE} COMMAND_ERROR_IS_FATAL ANY)
-    execute_process(COMMAND \"$<TARGET_FILE:c3de_validate>\" --write-man \"\${manual}/man1/c3de-validate.1\" --man-version ${PROJECT_VERSION} --man-date ${C3DE_RELEASE_DATE}
+    execute_process(COMMAND \"$<TARGET_FILE:c3de>\" write-manual \"\${manual}\" --date ${C3DE_RELEASE_DATE}
       COMMAND_ERROR_IS_FATAL ANY)
+    execute_process(COMMAND \"$<TARGET_FILE:c3de_validate>\" --write-man \"\${manual}/man1/c3de-validate.1\"
+      --man-version ${PROJECT_VERSION} --man-date ${C3DE_RELEASE_DATE} COMMAND_ERROR_IS_FATAL ANY)
     file(GLOB pages \"\${manual}/man1/*.1\")
     if(EXISTS \"${C3DE_GZIP}\")
       execute_process(COMMAND \"${C3DE_GZIP}\" -9nf \${pages} COMMAND_ERROR_IS_FATAL ANY)

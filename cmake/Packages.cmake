@@ -31,7 +31,8 @@ endif()
 # those that belong to the display and its driver.
 set(C3DE_LIBRARIES_OF_THE_SYSTEM
   "^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|stdc\\+\\+|gcc_s)\\.so.*)$"
-  "^lib(GL|EGL|GLX|GLdispatch|OpenGL|GLU|drm|gbm|vulkan|X11|X11-xcb|xcb|xcb-.*|Xau|Xdmcp|Xext|Xi|Xrandr|Xcursor|Xinerama|wayland-.*)\\.so.*$")
+  "^lib(GL|EGL|GLX|GLdispatch|OpenGL|GLU|drm|gbm|vulkan)\\.so.*$"
+  "^lib(X11|X11-xcb|xcb|xcb-.*|Xau|Xdmcp|Xext|Xi|Xrandr|Xcursor|Xinerama|wayland-.*)\\.so.*$")
 set(executables "")
 set(modules "")
 foreach(target c3de c3de_workstation c3de_validate)
@@ -46,7 +47,7 @@ foreach(target pointbased baselines c3de_embed)
 endforeach()
 string(REPLACE ";" "\" \"" exclude "${C3DE_LIBRARIES_OF_THE_SYSTEM}")
 string(REPLACE "\\" "\\\\" exclude "${exclude}")
-install(CODE "set(executables ${executables})\nset(modules ${modules})\nset(exclude \"${exclude}\")\nset(folder \"${CMAKE_CURRENT_LIST_DIR}/packages\")
+install(CODE "set(executables ${executables})\nset(modules ${modules})\nset(exclude \"${exclude}\")
 include(\"${CMAKE_CURRENT_LIST_DIR}/packages/bundle_libraries.cmake\")" COMPONENT package_libraries EXCLUDE_FROM_ALL)
 
 # --- what cpack reads ---------------------------------------------------------------------------------------------------------

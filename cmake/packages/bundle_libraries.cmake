@@ -1,5 +1,5 @@
-# Included by an installation for the archive: copies the shared libraries that `executables` and `modules` need into PREFIX/lib, without those that
-# match `exclude`, and their licence texts into share/doc/c3de/licences. They are found by the DT_RPATH of who needs them.
+# Included by an installation for the archive: copies the shared libraries that `executables` and `modules` need into PREFIX/lib,
+# without those that match `exclude`, and their licence texts into share/doc/c3de/licences. DT_RPATH of the programs finds them.
 file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${executables} MODULES ${modules}
   RESOLVED_DEPENDENCIES_VAR found UNRESOLVED_DEPENDENCIES_VAR missing
   PRE_EXCLUDE_REGEXES ${exclude})
@@ -40,5 +40,6 @@ endforeach()
 if(EXISTS /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf)
   file(INSTALL /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf /usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf
     DESTINATION "${CMAKE_INSTALL_PREFIX}/share/c3de/fonts")
-  file(INSTALL /usr/share/doc/fonts-dejavu-core/copyright DESTINATION "${CMAKE_INSTALL_PREFIX}/share/doc/c3de/licences" RENAME fonts-dejavu-core.txt)
+  file(INSTALL /usr/share/doc/fonts-dejavu-core/copyright DESTINATION "${CMAKE_INSTALL_PREFIX}/share/doc/c3de/licences"
+    RENAME fonts-dejavu-core.txt)
 endif()

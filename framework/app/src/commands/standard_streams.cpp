@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/topics.h"
 
-#include <algorithm>
-#include <string_view>
 
 namespace c3de::app {
 namespace {
