@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/topics.h"
 
-
 namespace c3de::app {
 namespace {
 
 constexpr TopicEntry kEnvironment[]{
     {"C3DE_HOME",
      "Folder for all files of the user: data, config and cache are folders in it. Default: the XDG folders, or AppData "
-     "on "
-     "Windows."},
+     "on Windows."},
     {"C3DE_PLUGIN_PATH", "Folders that are searched for plugins, with : between them (; on Windows)."},
     {"C3DE_LIBRARY", "Python package: the file of libc3de to load. Default: the one of the installation."},
     {"C3DE_PROGRAM",
      "Python package: the program c3de that draws pictures and opens windows. Default: the one of the installation, "
-     "else "
-     "of PATH."},
+     "else of PATH."},
     {"NO_COLOR", "If it is not empty, messages have no colours, also on a terminal."},
     {"COLORTERM, TERM", "Whether the terminal has colours. Messages have none where standard error is no terminal."},
     {"DISPLAY, WAYLAND_DISPLAY",
@@ -23,8 +20,8 @@ constexpr TopicEntry kEnvironment[]{
     {"XDG_DATA_HOME, XDG_CONFIG_HOME, XDG_CACHE_HOME",
      "Where the folders c3de of the user are, if C3DE_HOME is not set."},
     {"HOME, USERPROFILE",
-     "Home folder: the default of the folders above, fonts of the user, file dialogs. Left out of "
-     "reports about problems."},
+     "Home folder: the default of the folders above, fonts of the user, file dialogs. Left out of reports about "
+     "problems."},
     {"USER, USERNAME, LOGNAME", "Name of the user, which is left out of reports about problems."},
     {"PATH", "Where ffmpeg is looked for, which makes films of pictures."},
     {"OMPI_COMM_WORLD_SIZE, PMI_SIZE, PMIX_RANK",
