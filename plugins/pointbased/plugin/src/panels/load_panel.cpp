@@ -210,7 +210,8 @@ void LoadPanel::drawRow(sdk::Ui &ui, const ConditionSnapshot &one) {
   if (!one.warning.empty()) ui.text(one.condition.name + ": " + one.warning);
   bool isChosen = marks.chosen == one.number;
   if (ui.checkbox("load_chosen_" + id, "Chosen", isChosen)) marks.chosen = isChosen ? one.number : 0;
-  ui.tooltip("As by a click on its handle in the view; Delete removes the chosen one while the tool Load is active");
+  ui.tooltip(
+      "As by a click on the tip of its arrow in the view; Delete removes the chosen one while the tool Load is active");
   ui.sameLine();
   bool isShown = marks.isShown(one.number);
   if (ui.checkbox("load_shown_" + id, "Show", isShown)) marks.setShown(one.number, isShown);

@@ -143,8 +143,8 @@ void BoxSelection::testVisibility(std::uint64_t id, std::span<const std::uint32_
     });
   };
   for (const BodySnapshot &other : snapshot_->bodies)
-    if (services_.collision.refit(other.surface->tree.handle(), viewOf(other.surfels)))
-      cast(other.surface->tree.handle(), origins, directions);
+    if (const auto tree = presentTree(services_, *other.surface, viewOf(other.surfels)))
+      cast(*tree, origins, directions);
   for (const ObstacleSnapshot &obstacle : snapshot_->obstacles) {
     const RigidMotion &motion = obstacle.motion;
     const Mat3 back = motion.rotation.transpose();

@@ -124,9 +124,9 @@ void ConditionMarks::show(const Frame &frame, const ConditionSnapshot &one, Show
   const ConditionArrow arrow = arrowOf(one, value, metresPerNewton_);
   const DrawnMarks marks(services_, shown.node.handle());
   marks.arrow(shown.arrow, arrow.from, arrow.vector, kArrow);
-  const std::string text = value.kind == ConditionKind::fix ? value.name : valueText(value);
-  marks.label(shown.label, arrow.tip(), text, kArrow);
-  if (!frame.hasHandles) return shown.handle.reset();
+  marks.label(shown.label, arrow.tip(), valueText(value), kArrow);
+  // The middle of a fix may be behind the body: a handle there would take the clicks on the surface before it.
+  if (!frame.hasHandles || value.kind == ConditionKind::fix) return shown.handle.reset();
   const double radius = kHandleRadius * sizeOf(*frame.snapshot, one.body);
   if (radius != shown.handleRadius) shown.handle.reset();
   shown.handleRadius = radius;

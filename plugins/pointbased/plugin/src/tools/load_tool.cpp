@@ -12,7 +12,7 @@ namespace pointbased {
 namespace {
 
 constexpr sdk::Material kSelected{{1.0f, 0.62f, 0.10f, 1.0f}, true};
-constexpr sdk::Material kOutline{{1.0f, 0.62f, 0.10f, 1.0f}, false, true};
+constexpr sdk::Material kOutline{{1.0f, 1.0f, 1.0f, 1.0f}, false, true};
 constexpr double kSizeStep = 1.15;  // factor per notch of the wheel
 constexpr double kAngleStep = 5.0;  // degrees, per key
 constexpr std::uint32_t kKeyDelete = 127;
@@ -164,7 +164,7 @@ bool LoadTool::beginArrow(const Snapshot &snapshot, const PickRay &ray, bool isS
   marks_.chosen = *number;
   gesture_ = Gesture::arrow;
   for (const ConditionSnapshot &one : snapshot.conditions) {
-    if (one.number != *number || one.condition.kind == ConditionKind::fix) continue;
+    if (one.number != *number) continue;
     arrow_.emplace();
     arrow_->number = *number;
     arrow_->before = arrow_->value = one.condition;
@@ -222,7 +222,7 @@ void LoadTool::paint(const c3de_event &event) {
     if (!near.body || (isBegun && near.body->id != body_)) return;
     begin(*near.body);
     if (mode == Mode::brush) return paintAround(*near.body, ray->origin, std::nullopt);
-    return selectFace(closestOn(services_, *surface_, ray->origin).triangle);
+    return selectFace(closestOn(services_, surface_->pickTree.handle(), ray->origin).triangle);
   }
   const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
   // A stroke does not leave its body.
