@@ -103,11 +103,14 @@ TEST_CASE("a block is fixed by one click and pressed on the opposite side as by 
   window.click(kPanel + "load_add");
   C3DE_WAIT(window, "the pressure is a node", !row(s, "Pressure 2").empty() && hasNode(s, "Pressure 2"));
   // Below the body, not beside it.
-  for (const Json &node : window.state()["nodes"])
-    if (node["name"] == "block")
-      CHECK(node["depth"] == 1);
-    else if (node["name"] == "Pressure 2")
-      CHECK(node["depth"] == 2);
+  const Json listed = window.state();
+  const auto depthOf = [&](const std::string &name) {
+    for (const Json &node : listed["nodes"])
+      if (node["name"] == name) return node["depth"].get<int>();
+    return -1;
+  };
+  CHECK(depthOf("block") == 1);
+  CHECK(depthOf("Pressure 2") == 2);
 
   // From the front, the tip of the arrow is dragged down: a larger pressure, in one step of undo.
   window.key("1");
@@ -146,6 +149,7 @@ TEST_CASE("a block is fixed by one click and pressed on the opposite side as by 
   window.screenshotAtRest("shown");
   window.click("scene/Pressure 2");
   C3DE_WAIT(window, "it is hidden", hasNode(s, "Pressure 2", false) && s["values"][kPanel + "load_shown_2"] == "false");
+  window.screenshot("hidden");
   CHECK(window.differsFrom("shown", "hidden", 50.0));
   window.moveTo(window.inView(0.9, 0.9));
   window.key("Delete");
