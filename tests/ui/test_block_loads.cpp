@@ -7,6 +7,7 @@
 #include <string>
 
 #include "support/catch.h"
+#include "ui/scan_window.h"
 #include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -195,4 +196,31 @@ TEST_CASE("boxes select what is visible of a block, and Escape cancels them", "[
   window.key("Delete");
   C3DE_WAIT(window, "it is cleared", row(s, "Selected") == "nothing");
   CHECK(window.state()["notifications"].empty());
+}
+
+TEST_CASE("a box in a slice selects the skin near its plane", "[slice_boxes]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("slice_boxes");
+  (void)createBodyFromScan(window, "slice_boxes", "800");
+  window.moveTo(window.inPane("axial", 0.5, 0.5));
+  window.key("n");
+  C3DE_WAIT(window, "the load tool is active", s["tool"] == "pointbased.load");
+  window.choose(kPanel + "load_mode", "box");
+  // The left half of the slice, without the table below the trunk.
+  const Point low = window.inSlice("axial", -115.0, -75.0), high = window.inSlice("axial", 0.0, 75.0);
+  window.moveTo(low);
+  window.press();
+  window.moveAlong(low, high, 4);
+  C3DE_WAIT(window, "a part is previewed", row(s, "Selected").find("mm²") != std::string::npos);
+  window.screenshot("preview");  // it plays
+  window.release();
+  C3DE_WAIT(window, "it is selected", row(s, "Selected").find("mm²") != std::string::npos);
+  window.drag(window.inSlice("axial", 5.0, -5.0), window.inSlice("axial", 15.0, 5.0), 3);
+  C3DE_WAIT(window, "inside there is no skin", row(s, "Note").starts_with("The box meets no surface within 2 mm"));
+  const std::string thin = row(window.state(), "Selected");
+  window.enterNumber(kPanel + "load_depth", "5");
+  C3DE_WAIT(window, "the depth is larger", numberOf(s, kPanel + "load_depth") > 3.5);
+  window.drag(low, high, 4);
+  C3DE_WAIT(window, "more is selected", row(s, "Selected") != thin);
+  CHECK(notification(window.state(), "The support or load was not set").is_null());
 }
