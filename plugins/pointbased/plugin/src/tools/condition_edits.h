@@ -11,8 +11,8 @@
 
 namespace pointbased {
 
-/// Supports and loads that the user sets, changes and removes: each is a change of the simulation between two steps, and
-/// a step of Undo. A change that the simulation refuses is reported, and its step of Undo is removed. Main thread.
+/// Supports and loads that the user sets, changes and removes: each is a change of the simulation between two steps,
+/// and a step of Undo. A change that the simulation refuses is reported, and its step of Undo is removed. Main thread.
 class ConditionEdits {
  public:
   /// @param simulator  of the tool; it outlives this and may be null

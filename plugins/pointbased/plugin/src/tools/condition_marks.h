@@ -10,8 +10,8 @@
 
 namespace pointbased {
 
-/// What is drawn of supports and loads: for each a scene node below that of its body, with the patch, the arrow, a handle
-/// at its tip and the value; a fix has neither arrow nor handle. The checkbox of the node in the scene list and
+/// What is drawn of supports and loads: for each a scene node below that of its body, with the patch, the arrow, a
+/// handle at its tip and the value; a fix has neither arrow nor handle. The checkbox of the node in the scene list and
 /// isShown() are the same. Main thread.
 class ConditionMarks {
  public:
