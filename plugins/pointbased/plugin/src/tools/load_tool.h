@@ -12,9 +12,10 @@
 namespace pointbased {
 
 /// Selects a part of the surface of a body for a support or a load, shows those that are set, and changes their values
-/// by the handles at the tips of their arrows. Brush: press and drag paints. Face: a click selects the connected
-/// surface up to its edges. Box: a rectangle selects what is visible in it, or in a slice what is near the plane. All of them
-/// add to the selection; with E or Alt they remove from it. Escape cancels what is being dragged.
+/// by the handles at the tips of their arrows.
+/// Brush: press and drag paints. Face: a click selects the connected surface up to its edges. Box: a rectangle selects
+/// what is visible in it, or in a slice what is near the plane. All of them add to the selection; with E or Alt they
+/// remove from it. Escape cancels what is being dragged.
 class LoadTool : public InteractiveTool {
  public:
   LoadTool(const Services &services, std::shared_ptr<InteractionSteps> steps)
