@@ -22,6 +22,7 @@ struct ReadImage {
   std::vector<std::string> notices;
   std::vector<imaging::SeriesInfo> series;  ///< to choose from; if not empty, nothing was read
   bool isSegmentation = false;              ///< to be opened as labels
+  std::string description;                  ///< modality and description of its series
 };
 
 /// A file, or one of its series at one of its time points.
@@ -63,6 +64,16 @@ bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
                      [&](const imaging::SeriesInfo &s) { return s.holdsNamedFile && segments(s); });
 }
 
+/// Modality and description of a series; if none is named, of the one that is read.
+std::string descriptionOf(const std::vector<imaging::SeriesInfo> &all, const std::string &series) {
+  const imaging::SeriesInfo *found = nullptr;
+  for (const imaging::SeriesInfo &one : all) {
+    const bool isNamed = series.empty() ? one.holdsNamedFile : one.id == series;
+    if (!found || (isNamed && found->id != series)) found = &one;
+  }
+  return found ? found->modality + " " + found->description : std::string();
+}
+
 }  // namespace
 
 WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
@@ -94,13 +105,16 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
   choice_.reset();
   const auto read = std::make_shared<ReadImage>();
   const ImageToRead wanted{path, series, time, imageName(path)};
+  const bool needsName = !windowLevelRules_.empty();
   const bool laysOver = segmentation == Segmentation::labels && views_.image() != nullptr;
   job_.start(
       "Opening " + wanted.name,
-      [wanted, read, laysOver](const ProgressFn &progress) -> Expected<void> {
-        if (wanted.series.empty()) {
+      [wanted, read, laysOver, needsName](const ProgressFn &progress) -> Expected<void> {
+        if (wanted.series.empty() || needsName) {
           auto found = imaging::listSeries(wanted.path, progress);
           if (!found) return tl::unexpected(found.error());
+          read->description = descriptionOf(*found, wanted.series);
+          if (!wanted.series.empty()) return readStored(wanted, progress, *read);
           std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
           read->isSegmentation = isSegmentation(*found);
           if (read->isSegmentation && laysOver) return {};
@@ -122,6 +136,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
           path_ = wanted.path;
           series_ = wanted.series;
           show(read->image, isOfSimulation);
+          applyWindowLevelRule(read->description + " " + pathText(wanted.path.filename()));
           if (read->isSegmentation)
             read->notices.emplace_back(
                 "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
@@ -205,6 +220,14 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
   if (!notice.empty()) reportNotices(panels_, "Opened " + image->name, {notice});
   if (isAnother) offerToCloseSimulation(image->name);
   events_.shown();
+}
+
+void WorkstationImages::applyWindowLevelRule(const std::string &name) {
+  const auto found = ui::windowLevelFor(windowLevelRules_, name);
+  if (!found || !views_.image()) return;
+  ui::ImageOptions options = views_.options();
+  options.windowLevel = *found;
+  views_.setOptions(options);
 }
 
 void WorkstationImages::offerToCloseSimulation(const std::string &image) {

@@ -13,6 +13,7 @@
 #include "c3de/imaging/displacement.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/scene_file.h"
+#include "c3de/ui/display_units.h"
 #include "c3de/ui/image_presets.h"
 #include "c3de/ui/overlay.h"
 #include "c3de/ui/slice_view.h"
@@ -75,6 +76,7 @@ struct Readout {
   std::optional<double> volumeRatio, field;
   Quantity fieldQuantity;                        ///< of `field`
   bool isEmptied = false;                        ///< a body has moved away from here: nothing is known
+  DisplayUnit length{"mm", 1.0};                 ///< in which texts have lengths
   [[nodiscard]] std::string placeText() const;   ///< position, voxel, value, label
   [[nodiscard]] std::string tissueText() const;  ///< deformation of the tissue; empty if unknown
   [[nodiscard]] std::string text() const;        ///< both
@@ -170,6 +172,8 @@ class ImageViews {
   [[nodiscard]] render::ImageScene scene() const;
   /// Cycles from uncut to without the near part, to without the far part, and back.
   void cycleCut(Pane slice);
+  /// In which read-outs and ranges of the overlay have lengths and pressures. A fixed range is converted.
+  void setUnits(const DisplayUnits &units);
   void setVisibleInSpace(bool isVisible) { isVisibleInSpace_ = isVisible; }
 
  private:
@@ -183,6 +187,7 @@ class ImageViews {
   bool pressKey(Pane slice, const ViewInput &input);
   void followRange();
 
+  DisplayUnits units_;
   std::shared_ptr<const scene::StoredImage> image_;
   std::shared_ptr<const scene::StoredLabels> labels_;
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
