@@ -104,8 +104,9 @@ void drawShortcuts(FrameContext &frame) {
   heading(frame, "Menus, lists and dialogs");
   if (beginRows(frame, "panels")) {
     shortcutRow("Alt, or Alt and a letter", "open the File menu, or the menu that begins with the letter");
-    shortcutRow("Arrows, Enter, Esc", "move in a menu or dialog, choose, close");
-    shortcutRow("Tab, Space", "next field of a dialog, press a button");
+    shortcutRow("Arrows", "move the frame in a menu or dialog");
+    shortcutRow("Enter, Space, Esc", "press what is in the frame; close");
+    shortcutRow("Tab", "next text field of a dialog");
     shortcutRow("?", "this list");
     shortcutRow("Ctrl+click on a number", "type an exact value");
     ImGui::EndTable();

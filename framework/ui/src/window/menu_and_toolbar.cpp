@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <imgui_internal.h>  // the focus ring
+
 #include <algorithm>
 #include <iterator>
 #include <string_view>
@@ -68,10 +70,21 @@ void editItem(FrameContext &frame, Command command) {
   itemTooltip(frame, whyNot.empty() ? info.doc : std::string(info.doc) + "\n" + whyNot);
 }
 
+/// An arrow has left the open menu to a side, and Dear ImGui has closed it: 1 to the right, -1 to the left, else 0.
+int sideMove() {
+  ImGuiContext &context = *ImGui::GetCurrentContext();
+  if (context.OpenPopupStack.Size > 0 || !context.NavMoveForwardToNextFrame) return 0;
+  context.NavMoveForwardToNextFrame = false;
+  return context.NavMoveDir == ImGuiDir_Right ? 1 : context.NavMoveDir == ImGuiDir_Left ? -1 : 0;
+}
+
 bool beginMenu(FrameContext &frame, const char *label, const char *id) {
   if (frame.state.menuToOpen == id) {
-    ImGui::OpenPopup(label);
     frame.state.menuToOpen.clear();
+    ImGui::OpenPopup(label);
+    // The focus ring is there from the start.
+    ImGui::GetCurrentContext()->NavDisableHighlight = false;
+    ImGui::GetCurrentContext()->NavDisableMouseHover = true;
   }
   const bool isOpen = ImGui::BeginMenu(label);
   markOpener(frame, "menu", id, isOpen);
@@ -256,9 +269,11 @@ float drawMenuBar(FrameContext &frame) {
     height = ImGui::GetWindowSize().y;
     ImGui::PopStyleVar();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(4.0f)));
+    const Menu *open = nullptr;
     for (const Menu &menu : kMenus) {
       if (menu.draw == pluginsMenu && !frame.services.commands) continue;
       if (!beginMenu(frame, menu.label, menu.id)) continue;
+      open = &menu;
       if (menu.draw)
         menu.draw(frame);
       else
@@ -266,6 +281,9 @@ float drawMenuBar(FrameContext &frame) {
       ImGui::EndMenu();
     }
     ImGui::EndMainMenuBar();
+    const int side = open ? sideMove() : 0;
+    const auto count = static_cast<std::ptrdiff_t>(std::size(kMenus));
+    if (side != 0) frame.state.menuToOpen = kMenus[(open - kMenus + side + count) % count].id;
   }
   ImGui::PopStyleVar();
   return height;

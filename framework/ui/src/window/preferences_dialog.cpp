@@ -15,7 +15,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr const char *kPreferencesArea = "preferences";
-constexpr float kLabelWidth_px = 150.0f, kFieldWidth_px = 150.0f;
+constexpr float kLabelWidth_px = 150.0f, kFieldWidth_px = 150.0f, kWidth_px = 560.0f, kHeight_px = 600.0f;
 
 struct PreferenceChoice {
   const char *id, *label;
@@ -229,10 +229,17 @@ void drawPreferences(FrameContext &frame) {
   if (!actions.change || !actions.restore) dialog.isShown = false;
   if (!dialog.isShown || frame.fileDialog.isOpen()) return;
   if (!dialog.isFilled) fillFields(frame);
-  if (!beginDialog(frame, "Preferences", "preferences", dialog.isShown, ImVec2(560, 600))) return;
-  // The font size has changed: so does the size of the dialog.
-  ImGui::SetWindowSize(ImVec2(std::min(frame.theme.px(560.0f), 0.95f * static_cast<float>(frame.windowSize[0])),
-                              std::min(frame.theme.px(600.0f), 0.95f * static_cast<float>(frame.windowSize[1]))));
+  if (!beginDialog(frame, "Preferences", "preferences", dialog.isShown, ImVec2(kWidth_px, kHeight_px),
+                   ImGuiWindowFlags_NoResize))
+    return;
+  // The font size may have changed.
+  const ImVec2 window(static_cast<float>(frame.windowSize[0]), static_cast<float>(frame.windowSize[1]));
+  const ImVec2 size(std::floor(std::min(frame.theme.px(kWidth_px), 0.95f * window.x)),
+                    std::floor(std::min(frame.theme.px(kHeight_px), 0.95f * window.y)));
+  if (ImGui::GetWindowSize().x != size.x || ImGui::GetWindowSize().y != size.y) {
+    ImGui::SetWindowSize(size);
+    ImGui::SetWindowPos(ImVec2(std::floor(0.5f * (window.x - size.x)), std::floor(0.5f * (window.y - size.y))));
+  }
   const float below = ImGui::GetFrameHeightWithSpacing() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
   Preferences wanted = frame.state.preferences;
   ImGui::BeginChild("rows", ImVec2(0, -below), false, ImGuiWindowFlags_NavFlattened);

@@ -85,7 +85,6 @@ struct WorkstationWindow::Impl {
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events, const render::Renderer &renderer);
   void handleKey(FrameContext &context, const OsEvent &event);
   [[nodiscard]] bool opensMenu(const FrameContext &context, const OsEvent &event);
-  void openMenu(const std::string &id);
   void layOut(FrameContext &frame, const render::Renderer &renderer);
   void executeCommands(FrameContext &frame);
   void fitIfWanted();
@@ -106,13 +105,6 @@ void WorkstationWindow::Impl::handleKey(FrameContext &context, const OsEvent &ev
     actions.transport(C3DE_TRANSPORT_PAUSE);
 }
 
-void WorkstationWindow::Impl::openMenu(const std::string &id) {
-  state.menuToOpen = id;
-  // The focus ring is there from the start.
-  ImGui::GetCurrentContext()->NavDisableHighlight = false;
-  ImGui::GetCurrentContext()->NavDisableMouseHover = true;
-}
-
 /// Alt alone, or Alt and the first letter of a menu. What is open above the views keeps its keys.
 bool WorkstationWindow::Impl::opensMenu(const FrameContext &context, const OsEvent &event) {
   const Modes::Above above = context.above();
@@ -121,7 +113,7 @@ bool WorkstationWindow::Impl::opensMenu(const FrameContext &context, const OsEve
   if (services.commands && !services.commands->ofKey(event.key, event.modifiers).isNull()) return false;
   for (const char *id : {"file", "edit", "view", "simulation", "tools", "plugins", "help"})
     if (static_cast<std::uint32_t>(id[0] - 'a' + 'A') == event.key) {
-      openMenu(id);
+      state.menuToOpen = id;
       return true;
     }
   return false;
@@ -157,7 +149,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
         if (!opensMenu(context, event)) handleKey(context, event);
         break;
       case OsEvent::Kind::keyUp:
-        if (std::exchange(state.isMenuWanted, false) && event.isAlt) openMenu("file");
+        if (std::exchange(state.isMenuWanted, false) && event.isAlt) state.menuToOpen = "file";
         break;
       case OsEvent::Kind::character:
         if (event.character == '?' && !context.above().isPopup && !context.above().isTyping)
