@@ -498,6 +498,24 @@ TEST_CASE("Pictures of the modes of the panel for the user guide", "[.guide][.gu
   window.screenshot("panel_search");  // the text cursor blinks
 }
 
+TEST_CASE("Preferences for the user guide", "[.guide][.guide_preferences]") {
+  C3DE_ORGAN_OR_SKIP();
+  // A short name of the file in the picture.
+  const ScopedEnvironment person("C3DE_HOME", "guide_preferences");
+  std::filesystem::remove_all("guide_preferences");
+  std::filesystem::create_directories("guide_preferences/config");
+  std::ofstream("guide_preferences/config/config.toml")
+      << "[appearance]\ntheme = \"light\"\n[units]\npressure = \"mmHg\"\n"
+         "[[window_level]]\nname_contains = \"CT thorax lung\"\ncentre = -600\nwidth = 1500\n"
+         "[[window_level]]\nname_contains = \"CT liver\"\ncentre = 80\nwidth = 160\n";
+  WorkstationDriver window("guide");
+  window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
+  C3DE_WAIT(window, "the organ is shown", s["values"].contains(kPanel + "Surfels") && s["jobs"].empty());
+  window.key("ctrl+comma");
+  C3DE_WAIT(window, "the preferences are shown", s["widgets"].contains("preferences/restore"));
+  window.screenshotAtRest("preferences");
+}
+
 TEST_CASE("The plugin manager", "[.guide]") {
   C3DE_WINDOW_OR_SKIP();
   // In a user's home folder.

@@ -17,6 +17,16 @@ bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
                      [&](const imaging::SeriesInfo &s) { return s.holdsNamedFile && segments(s); });
 }
 
+/// Modality and description of a series; if none is named, of the one that is read.
+std::string descriptionOf(const std::vector<imaging::SeriesInfo> &all, const std::string &series) {
+  const imaging::SeriesInfo *found = nullptr;
+  for (const imaging::SeriesInfo &one : all) {
+    const bool isNamed = series.empty() ? one.holdsNamedFile : one.id == series;
+    if (!found || (isNamed && found->id != series)) found = &one;
+  }
+  return found ? found->modality + " " + found->description : std::string();
+}
+
 }  // namespace
 
 Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress, ReadImage &read) {
@@ -42,9 +52,11 @@ Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress,
 }
 
 Expected<void> readFirst(const ImageToRead &wanted, bool laysOver, const ProgressFn &progress, ReadImage &read) {
-  if (wanted.series.empty()) {
+  if (wanted.series.empty() || wanted.needsDescription) {
     auto found = imaging::listSeries(wanted.path, progress);
     if (!found) return tl::unexpected(found.error());
+    read.description = descriptionOf(*found, wanted.series);
+    if (!wanted.series.empty()) return readStored(wanted, progress, read);
     std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
     read.isSegmentation = isSegmentation(*found);
     if (read.isSegmentation && laysOver) return {};

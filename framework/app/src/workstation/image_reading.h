@@ -19,6 +19,7 @@ struct ReadImage {
   std::vector<std::string> notices;
   std::vector<imaging::SeriesInfo> series;  ///< to choose from; if there is no image, nothing was read
   bool isSegmentation = false;              ///< to be opened as labels
+  std::string description;                  ///< modality and description of its series
 };
 
 /// A file, or one of its series at one of its time points.
@@ -27,6 +28,7 @@ struct ImageToRead {
   std::string series;
   std::size_t time = 0;
   std::string name;  ///< display name
+  bool needsDescription = false;
 };
 
 /// Reads an image with the range and the histogram of its values. Any thread. Errors: those of imaging::readVolume().

@@ -22,8 +22,6 @@
 namespace c3de::app {
 namespace {
 
-constexpr auto kAutosaveInterval = std::chrono::seconds(8);
-
 std::filesystem::path recoveryFolder() { return userDataDirectory() / "recovery"; }
 
 std::string stepText(std::uint64_t steps, double time_s) {
@@ -377,12 +375,16 @@ void SessionController::onReplaced() {
   baseline_.reset();
 }
 
+void SessionController::setAutosaveInterval(double interval_s) {
+  autosaveInterval_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(interval_s));
+}
+
 void SessionController::autosaveIfDue() {
   const Clock::time_point now = Clock::now();
   // The file that was restored stays until this run has one of its own, or the work is saved.
   if (!recovered_.empty() && (recovery_.isWritten() || (baseline_ && !isModified())))
     removeRecovery(std::exchange(recovered_, {}));
-  if (now - autosaveTried_ < kAutosaveInterval || isSaving_ || recovery_.isWriting() || !isModified()) return;
+  if (now - autosaveTried_ < autosaveInterval_ || isSaving_ || recovery_.isWriting() || !isModified()) return;
   const Baseline present = this->present();
   if (autosaved_ == present && !recovery_.hasFailed()) return;
   autosaveTried_ = now;
@@ -406,7 +408,9 @@ void SessionController::onAutosaveRefused(const Error &error) {
   const Clock::time_point now = Clock::now();
   if (!refusedSince_) refusedSince_ = now;
   if (now - *refusedSince_ < kReportedAfter || std::exchange(hasReportedRefusal_, true)) return;
-  parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed", error.message + "\nIt is tried again every 8 s.");
+  parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed",
+                       error.message + "\nIt is tried again every " +
+                           formatNumber(std::chrono::duration<double>(autosaveInterval_).count()) + " s.");
 }
 
 void SessionController::notifyLost(const std::string &title, const LostSession &lost) {

@@ -72,6 +72,7 @@ class SessionController {
   }
   /// Called about once a second: writes what is not saved yet to the recovery file.
   void autosaveIfDue();
+  void setAutosaveInterval(double interval_s);
   /// Call before the session ends. @param isInterrupted  the next run offers what is not saved
   void stop(bool isInterrupted) { recovery_.stop(isInterrupted); }
   /// The dialog for files that are missing or have changed.
@@ -130,6 +131,7 @@ class SessionController {
   SessionRecovery recovery_;
   std::optional<Baseline> autosaved_;
   Clock::time_point autosaveTried_ = Clock::now();
+  Clock::duration autosaveInterval_ = std::chrono::seconds(8);
   std::optional<Clock::time_point> refusedSince_;  ///< the state cannot be stored
   bool hasReportedRefusal_ = false;
   std::uint64_t serial_ = 1;  ///< of the present simulation

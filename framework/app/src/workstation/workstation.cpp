@@ -36,6 +36,7 @@
 #include "workstation/measurement_controller.h"
 #include "workstation/plot_controller.h"
 #include "workstation/plugin_problems.h"
+#include "workstation/preferences_controller.h"
 #include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
 #include "workstation/replay_controller.h"
@@ -84,6 +85,7 @@ class Workstation {
   [[nodiscard]] Expected<void> createSession(SessionOptions &options);
   void createControllers();
   void connectWindow();
+  void apply(const ui::Preferences &preferences);
   [[nodiscard]] ui::WindowActions actions();
   [[nodiscard]] std::string unsaved();
   void open(const ui::OpenRequest &request);
@@ -126,6 +128,7 @@ class Workstation {
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
   std::optional<BodyUpdateController> bodyUpdates_;
+  std::optional<PreferencesController> preferences_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
   std::optional<RecentFilesController> recent_;            ///< its thread uses the session's queue
@@ -140,6 +143,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   playsWhenLoaded_ = options.play;
   createControllers();
   connectWindow();
+  preferences_->read();
   plugins_->report(session_->plugins(), panels_);
   if (sessionOptions.loadRules.isSafeMode)
     panels_.notify(C3DE_LOG_INFO, "Safe mode", "Only the plugins that came with the program were loaded.");
@@ -259,12 +263,23 @@ void Workstation::createControllers() {
       [this] { return replay_->isReplaying() ? std::string(ui::kReplayLocks) : std::string(); });
   tissueSurfaces_.emplace(session, *renderer_);
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
+  preferences_.emplace(panels_, [this](const ui::Preferences &preferences) { apply(preferences); });
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
     measurements_->onPublished(simulation);
     figures_->onPublished(simulation);
     plots_->onPublished(simulation);
   });
+}
+
+void Workstation::apply(const ui::Preferences &preferences) {
+  window_->setPreferences(preferences);
+  images_->views().setUnits(preferences.units);
+  images_->setWindowLevelRules(preferences.windowLevels);
+  measurements_->list().setUnits(preferences.units);
+  plots_->plots().setUnits(preferences.units);
+  figures_->setUnits(preferences.units);
+  sessions_->setAutosaveInterval(preferences.autosave_s);
 }
 
 void Workstation::connectWindow() {
@@ -294,6 +309,7 @@ ui::WindowActions Workstation::actions() {
   report_->connect(actions);
   sessions_->connect(actions);
   recent_->connect(actions);
+  preferences_->connect(actions);
   plugins_->connect(actions, session_->plugins(),
                     [this](const std::string &title, const Error &error) { onFailed(title, error); });
   actions.open = [this](const ui::OpenRequest &request) { open(request); };

@@ -42,7 +42,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
                              bool isOfSimulation) {
   choice_.reset();
   const auto read = std::make_shared<ReadImage>();
-  const ImageToRead wanted{path, series, time, imageName(path)};
+  const ImageToRead wanted{path, series, time, imageName(path), !windowLevelRules_.empty()};
   const bool laysOver = segmentation == Segmentation::labels && views_.image() != nullptr;
   job_.start(
       "Opening " + wanted.name,
@@ -60,6 +60,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
           const bool isSecond = hasImage() && !isOfSimulation && !read->isSegmentation &&
                                 (former != wanted.path || formerSeries != wanted.series);
           show(read->image, isOfSimulation);
+          applyWindowLevelRule(read->description + " " + pathText(wanted.path.filename()));
           if (isSecond && views_.image() == read->image.get()) offerToCompare(former, formerSeries);
           if (read->isSegmentation)
             read->notices.emplace_back(
@@ -144,6 +145,14 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
   if (!notice.empty()) reportNotices(panels_, "Opened " + image->name, {notice});
   if (isAnother) offerToCloseSimulation(image->name);
   events_.shown();
+}
+
+void WorkstationImages::applyWindowLevelRule(const std::string &name) {
+  const auto found = ui::windowLevelFor(windowLevelRules_, name);
+  if (!found || !views_.image()) return;
+  ui::ImageOptions options = views_.options();
+  options.windowLevel = *found;
+  views_.setOptions(options);
 }
 
 void WorkstationImages::offerToCloseSimulation(const std::string &image) {

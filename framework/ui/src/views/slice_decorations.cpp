@@ -295,7 +295,8 @@ void drawTexts(const SliceCanvas &canvas) {
   float y = r.y + r.h - edge - canvas.readoutHeight();
   for (const std::string &text : {readout.placeText(), readout.tissueText()}) {
     if (!text.empty())
-      textOnBackground(canvas.list, ImVec2(r.x + edge, y), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
+      textOnBackground(canvas.list, ImVec2(r.x + edge, y),
+                       isHere ? kInk : ImGui::GetColorU32(paletteOf(ThemeKind::dark).dim),
                        elided(text, r.w - 2 * edge));
     y += line;
   }

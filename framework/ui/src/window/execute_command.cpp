@@ -215,17 +215,26 @@ void saveSessionWithFiles(FrameContext &frame) {
   });
 }
 
-bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
+bool isEnabled(const FrameContext &frame, const CommandInfo &info) { return whyDisabled(frame, info).empty(); }
+
+std::string whyDisabled(const FrameContext &frame, const CommandInfo &info) {
   const auto needs = [&](CommandFlag flag) { return (info.flags & flag) != 0; };
   const WindowServices &services = frame.services;
-  const bool isRecording = !frame.simulation.recording.empty();
-  if ((needs(needsRecording) && !isRecording) || (needs(needsNoRecording) && isRecording)) return false;
-  if (needs(needsTimeline) && !frame.simulation.hasTimeline) return false;
-  if (needs(needsNoReplay) && frame.simulation.replay) return false;
-  return (!needs(needsContent) || hasContent(frame)) && (!needs(needsSimulation) || frame.simulation.exists) &&
-         (!needs(needsImage) || frame.shownImages()) && (!needs(needsComparison) || hasComparison(frame)) &&
-         (!needs(needsLabels) || (services.scanBody && services.scanBody->isPossible())) &&
-         (!needs(needsTissues) || (services.tissues && !services.tissues->rows.empty()));
+  const SimulationView &simulation = frame.simulation;
+  if (needs(needsNoReplay) && simulation.replay) return kReplayLocks;
+  if (needs(needsSimulation) && !simulation.exists) return "No simulation is open.";
+  if (needs(needsContent) && !hasContent(frame)) return "No simulation and no image is open.";
+  if (needs(needsImage) && !frame.shownImages()) return "No image is open.";
+  if (needs(needsComparison) && !hasComparison(frame)) return "No second scan is open.";
+  if (needs(needsLabels) && !(services.scanBody && services.scanBody->isPossible()))
+    return "No image with a label map over it is open.";
+  if (needs(needsTissues) && !(services.tissues && !services.tissues->rows.empty()))
+    return "No body of many tissues is there.";
+  if (needs(needsRecording) && simulation.recording.empty()) return "The simulation is not being recorded.";
+  if (needs(needsNoRecording) && !simulation.recording.empty()) return "The simulation is being recorded already.";
+  if (needs(needsTimeline) && !simulation.hasTimeline) return "The simulation was not recorded.";
+  if (info.command == Command::copyFigure && frame.actions.figures.whyNoCopy) return frame.actions.figures.whyNoCopy();
+  return {};
 }
 
 void executeCommand(FrameContext &frame, Command command) {
@@ -276,6 +285,7 @@ void executeCommand(FrameContext &frame, Command command) {
       frame.state.figure.isShown = true;
       frame.state.figure.isFilled = false;
       break;
+    case Command::copyFigure: call(frame.actions.figures.copy); break;
     case Command::screenshot: call(frame.actions.screenshot); break;
     case Command::quit: quitOrAsk(frame); break;
     case Command::undo: frame.modes.undo(frame.above()); break;
@@ -297,6 +307,10 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::cutSagittal: images->cycleCut(Pane::sagittal); break;
     case Command::cutCoronal: images->cycleCut(Pane::coronal); break;
     case Command::searchPanel: frame.state.isSearchWanted = true; break;
+    case Command::preferences:
+      frame.state.preferencesDialog = {};
+      frame.state.preferencesDialog.isShown = true;
+      break;
     case Command::showPlots: showPlots(frame, !frame.state.plots.isShown); break;
     case Command::resetLayout: resetLayout(frame); break;
     case Command::playPause:

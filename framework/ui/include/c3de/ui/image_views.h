@@ -14,6 +14,7 @@
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/scene_file.h"
 #include "c3de/ui/comparison.h"
+#include "c3de/ui/display_units.h"
 #include "c3de/ui/image_presets.h"
 #include "c3de/ui/overlay.h"
 #include "c3de/ui/slice_view.h"
@@ -78,6 +79,7 @@ struct Readout {
   bool isEmptied = false;        ///< a body has moved away from here: nothing is known
   std::optional<double> second;  ///< value of the second scan, where it is shown
   std::string secondUnit;
+  DisplayUnit length{"mm", 1.0};                 ///< in which texts have lengths
   [[nodiscard]] std::string placeText() const;   ///< position, voxel, value, label, value of the second scan
   [[nodiscard]] std::string tissueText() const;  ///< deformation of the tissue; empty if unknown
   [[nodiscard]] std::string text() const;        ///< both
@@ -177,6 +179,8 @@ class ImageViews {
   [[nodiscard]] render::ImageScene scene() const;
   /// Cycles from uncut to without the near part, to without the far part, and back.
   void cycleCut(Pane slice);
+  /// In which read-outs and ranges of the overlay have lengths and pressures. A fixed range is converted.
+  void setUnits(const DisplayUnits &units);
   void setVisibleInSpace(bool isVisible) { isVisibleInSpace_ = isVisible; }
 
  private:
@@ -191,6 +195,7 @@ class ImageViews {
   void followRange();
   [[nodiscard]] Readout readoutOfImage(const Vec3 &world) const;
 
+  DisplayUnits units_;
   std::shared_ptr<const scene::StoredImage> image_;
   std::shared_ptr<const scene::StoredLabels> labels_;
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
