@@ -116,15 +116,18 @@ TEST_CASE("theme, font size and units apply at once, reach the tables, and are t
     CHECK(window.differingPixels("dark", "light", "screen") > 200000.0);
     closeDialog(window);
 
+    window.key("ctrl+t");
+    C3DE_WAIT(window, "the plots are shown", textOf(s, "plots/shown") == "true");
     // A quasi-static simulation pauses at load factor 1.
     window.key("space");
     C3DE_WAIT(window, "the bar is stretched",
               textOf(s, "measurements/length.label") == "30.00 → 30.60 cm" && s["transport"]["mode"] == "paused");
     window.screenshotAtRest("stretched");
-    window.click("measurements/export_curves");
+    C3DE_WAIT(window, "the force is in mN", textOf(s, "plots/reactions.support 0.force").find("2666 mN") == 0);
+    window.click("plots/csv");
     window.enterFile(csv);
     waitForMessage(window, "preferences_curves.csv");
-    CHECK_THAT(fileText(csv), Contains("length [cm]") && Contains(",30.6"));
+    CHECK_THAT(fileText(csv), Contains("length [cm]") && Contains("[mN]") && Contains(",2666.4"));
     quit(window);
   }
   CHECK_THAT(fileText(configIn(home)), Contains("theme = \"light\"") && Contains("font_size = 17") &&
