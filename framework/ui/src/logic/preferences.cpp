@@ -27,16 +27,16 @@ constexpr const char *kHead =
     "# What is accepted: the page preferences.md of the manual.\n";
 
 /// A key of the file. `read` returns what is accepted if the value is not.
-struct Key {
+struct ConfigKey {
   const char *block, *name;
   std::function<std::string(std::string_view value, Preferences &into)> read;
   std::function<std::string(const Preferences &from)> written;
 };
 
 template <typename Choice>
-Key choiceKey(const char *block, const char *name, std::vector<std::string> names,
-              std::function<Choice &(Preferences &)> at) {
-  Key key{block, name, {}, {}};
+ConfigKey choiceKey(const char *block, const char *name, std::vector<std::string> names,
+                    std::function<Choice &(Preferences &)> at) {
+  ConfigKey key{block, name, {}, {}};
   key.read = [names, at](std::string_view value, Preferences &into) {
     const auto text = stringOf(value);
     const auto found = text ? std::find(names.begin(), names.end(), *text) : names.end();
@@ -56,9 +56,9 @@ Key choiceKey(const char *block, const char *name, std::vector<std::string> name
   return key;
 }
 
-Key numberKey(const char *block, const char *name, double Preferences::*at, double least, double most,
-              const char *unit) {
-  Key key{block, name, {}, {}};
+ConfigKey numberKey(const char *block, const char *name, double Preferences::*at, double least, double most,
+                    const char *unit) {
+  ConfigKey key{block, name, {}, {}};
   key.read = [=](std::string_view value, Preferences &into) {
     const auto number = numberOf(value);
     if (!number || *number < least || *number > most) return fmt::format("{:g} to {:g} {}", least, most, unit);
@@ -69,8 +69,8 @@ Key numberKey(const char *block, const char *name, double Preferences::*at, doub
   return key;
 }
 
-Key foldersKey(const char *name, std::vector<std::string> Preferences::*at) {
-  Key key{"files", name, {}, {}};
+ConfigKey foldersKey(const char *name, std::vector<std::string> Preferences::*at) {
+  ConfigKey key{"files", name, {}, {}};
   key.read = [at](std::string_view value, Preferences &into) {
     auto folders = stringsOf(value);
     if (!folders) return std::string("a list of folders, [\"/first\", \"/second\"]");
@@ -81,10 +81,10 @@ Key foldersKey(const char *name, std::vector<std::string> Preferences::*at) {
   return key;
 }
 
-const std::vector<Key> &keys() {
+const std::vector<ConfigKey> &keys() {
   using Units = DisplayUnits;
-  static const std::vector<Key> all = [] {
-    Key folder{"files", "folder", {}, {}};
+  static const std::vector<ConfigKey> all = [] {
+    ConfigKey folder{"files", "folder", {}, {}};
     folder.read = [](std::string_view value, Preferences &into) {
       const auto text = stringOf(value);
       if (!text) return std::string("a folder in quotation marks");
@@ -92,7 +92,7 @@ const std::vector<Key> &keys() {
       return std::string();
     };
     folder.written = [](const Preferences &from) { return quotedValue(from.folder); };
-    return std::vector<Key>{
+    return std::vector<ConfigKey>{
         choiceKey<ThemeKind>("appearance", "theme", {"dark", "light"},
                              [](Preferences &p) -> ThemeKind & { return p.theme; }),
         numberKey("appearance", "font_size", &Preferences::fontSize_px, Preferences::kSmallestFont,
@@ -207,7 +207,7 @@ void writeRules(ConfigText &config, const std::vector<WindowLevelRule> &rules) {
 /// Why a key, or its header, is not known.
 std::string unknownKey(const std::string &block, const std::string &key) {
   std::vector<std::string> blocks, names;
-  for (const Key &one : keys()) {
+  for (const ConfigKey &one : keys()) {
     if (std::find(blocks.begin(), blocks.end(), one.block) == blocks.end()) blocks.emplace_back(one.block);
     if (one.block == block) names.emplace_back(one.name);
   }
@@ -280,7 +280,7 @@ ReadPreferences readPreferences(const fs::path &file) {
     }
     for (const ConfigText::Entry &entry : block.entries) {
       const std::string shown = (block.name.empty() ? "" : block.name + ".") + entry.key + " = " + entry.value;
-      const auto key = std::find_if(keys().begin(), keys().end(), [&](const Key &one) {
+      const auto key = std::find_if(keys().begin(), keys().end(), [&](const ConfigKey &one) {
         return !block.isOfList && one.block == block.name && one.name == entry.key;
       });
       if (key == keys().end())
@@ -300,7 +300,7 @@ Expected<void> writePreferences(const fs::path &file, const Preferences &before,
   const auto present = readConfig(file);
   if (!present) return tl::unexpected(present.error());
   ConfigText config(present->value_or(kHead));
-  for (const Key &key : keys()) {
+  for (const ConfigKey &key : keys()) {
     const ConfigText::Entry *entry = config.find(key.block, key.name);
     Preferences ignored;
     const bool isInvalid = entry && !key.read(entry->value, ignored).empty();
