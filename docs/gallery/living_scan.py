@@ -30,7 +30,7 @@ with c3de.open(SCENE, progress=True) as sim:
     tumour = displacement(sim.report())
 print("the tumour moves by %.1f mm: left %.1f, back %.1f, up %.1f mm" % (np.linalg.norm(tumour), *tumour))
 
-# The sagittal slice through the tumour, front to the left; the lines cross where the tumour is in the scan.
+# The sagittal slice through the tumour, front to the left; the lines cross where the tumour is in the original scan.
 figure, axes = plt.subplots(1, 3, figsize=(11, 4.0), layout="constrained", width_ratios=(1, 1, 1.1))
 voxel = (np.linalg.inv(before.affine) @ [76, 26, 6, 1]).round().astype(int)[:3]
 for ax, scan, title in zip(axes, (before, after), ("lying", "standing")):
