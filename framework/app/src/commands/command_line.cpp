@@ -87,7 +87,7 @@ void addSessionOptions(CLI::App &app, CommandLine &line) {
       ->type_name("DIR")
       ->allow_extra_args(false)
       ->group(kPlugins);
-  app.add_flag("--no-plugins", line.noPlugins, "Look for plugins in no folder; those of --plugin are loaded")
+  app.add_flag("--no-plugins", line.noPlugins, "Do not search folders for plugins; --plugin still loads")
       ->group(kPlugins);
   app.add_option("--without", line.withoutPlugins, "Leave out the plugin with this id or file name (repeatable)")
       ->type_name("ID")

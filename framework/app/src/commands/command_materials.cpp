@@ -52,7 +52,7 @@ std::string inFull(const MaterialPreset &preset) {
       "  density          {:.6g} kg/m3\n",
       preset.name, preset.youngsModulus, preset.youngsModulusMin, preset.youngsModulusMax, preset.poissonRatio,
       preset.poissonRatioMin, preset.poissonRatioMax, preset.density);
-  if (preset.isRigid) text += "  rigid            proposed for organs of it\n";
+  if (preset.isRigid) text += "  rigid            recommended for this tissue\n";
   if (!preset.evidence.empty()) text += "  measured         " + preset.evidence + "\n";
   text += "  source           " + (preset.source.empty() ? "none" : preset.source) + "\n";
   if (!preset.note.empty()) text += "  note             " + preset.note + "\n";
@@ -86,7 +86,7 @@ int printMaterials(const std::string &name, bool isJson) {
 
 Handler declareMaterials(CLI::App &app, CommandLine &line) {
   const auto name = std::make_shared<std::string>();
-  app.add_option("NAME", *name, "One preset, with what was measured and by whom");
+  app.add_option("NAME", *name, "One preset, with evidence and source");
   app.add_flag("--json", line.json, "As JSON, with units in the names");
   app.footer(
       "Examples:\n"

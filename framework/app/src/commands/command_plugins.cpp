@@ -215,7 +215,7 @@ Handler declarePlugins(CLI::App &app, CommandLine &line) {
   addSessionOptions(app, line);
   app.footer(
       "Examples:\n"
-      "    c3de plugins --plugin FILE.so       # would it load?\n"
+      "    c3de plugins --plugin FILE.so       # test whether it loads\n"
       "    c3de plugins --off org.c3de.magnet  # from the next start on");
   return [&line, on, off, isAsInWindow, isTrial] {
     const SessionOptions options = line.sessionOptions();

@@ -166,7 +166,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
   RunOptions &options = arguments->options;
   app.add_option_function<std::string>(
          "SCENE", [&options](const std::string &text) { options.scene = text; },
-         "A scene (.toml), a session (.c3de) to go on from, or a mesh as one body; - reads a scene from standard input")
+         "A scene (.toml), a session (.c3de) to continue, or a mesh as one body; - reads a scene from standard input")
       ->required();
   CLI::Option *until = addSeconds(app, "--until", options.until_s, 0.0,
                                   "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)");
@@ -178,7 +178,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
   addFile(app, "--report", options.report, "FILE.json",
-          "Write the report as JSON; - writes to standard output, and so with all tables");
+          "Write the report as JSON; - prints to standard output, as for every table");
   addFile(app, "--probes", options.probes, "FILE.csv", "Write the probes over time as CSV");
   addCount(app, "--probes-every", options.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
       ->default_str("1");

@@ -23,7 +23,7 @@ constexpr TopicEntry kEnvironment[]{
      "Home folder: the default of the folders above, fonts of the user, file dialogs. Left out of reports about "
      "problems."},
     {"USER, USERNAME, LOGNAME", "Name of the user, which is left out of reports about problems."},
-    {"PATH", "Where ffmpeg is looked for, which makes films of pictures."},
+    {"PATH", "Searched for ffmpeg, which makes films."},
     {"OMPI_COMM_WORLD_SIZE, PMI_SIZE, PMIX_RANK",
      "Set by mpirun: `c3de study` shares its points with the other processes."},
     {"PROCESSOR_IDENTIFIER, COMPUTERNAME", "Windows: the machine, as reports name it."}};
@@ -43,7 +43,7 @@ constexpr TopicEntry kExitCodes[]{
 constexpr TopicEntry kFiles[]{
     {"$XDG_DATA_HOME/c3de, ~/.local/share/c3de", "Plugins of the user (plugins), recent files, unsaved sessions."},
     {"$XDG_CONFIG_HOME/c3de, ~/.config/c3de", "Settings of the window and of plugins."},
-    {"$XDG_CACHE_HOME/c3de, ~/.cache/c3de", "What can be computed again."},
+    {"$XDG_CACHE_HOME/c3de, ~/.cache/c3de", "Caches."},
     {"PREFIX/share/c3de", "Scenes, meshes, material presets and templates of plugins."},
     {"PREFIX/lib/c3de/plugins", "Plugins of the installation."},
     {"PREFIX/share/doc/c3de", "Guide, licences."}};

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kHistogramBins = 128;  // about two pixels each in the panel
 
-/// Whether a segmentation was meant: the named file is one, or there is nothing else.
+/// Whether to open it as labels: the named file is a segmentation, or all series are.
 bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
   const auto segments = [](const imaging::SeriesInfo &s) { return s.isSegmentation; };
   return (!readable.empty() && std::all_of(readable.begin(), readable.end(), segments)) ||

@@ -409,7 +409,7 @@ void SessionController::onAutosaveRefused(const Error &error) {
   if (!refusedSince_) refusedSince_ = now;
   if (now - *refusedSince_ < kReportedAfter || std::exchange(hasReportedRefusal_, true)) return;
   parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed",
-                       error.message + "\nIt is tried again every " +
+                       error.message + "\nThe program tries again every " +
                            formatNumber(std::chrono::duration<double>(autosaveInterval_).count()) + " s.");
 }
 

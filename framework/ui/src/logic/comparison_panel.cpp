@@ -82,7 +82,7 @@ void ComparisonPanel::drawLook(const c3de_ui_v1 &ui) {
   slider(ui, "window", "Window", unit, wl.window, 1e-3 * width, std::max(width, 2.0 * wl.window),
          "Values of the second scan from black to white");
   slider(ui, "level", "Level", unit, wl.level, std::min(range.min, wl.level), std::max(range.max, wl.level),
-         "Value of the second scan that is middle grey");
+         "Value shown as middle grey");
   comparison_.setOptions(options);
 }
 

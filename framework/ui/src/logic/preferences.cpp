@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kLargestConfig = std::uintmax_t{1} << 20;
 constexpr const char *kRules = "window_level";
 constexpr const char *kHead =
-    "# Preferences of C3DE. The program changes only the values that it understands.\n"
-    "# What is accepted: the page preferences.md of the manual.\n";
+    "# Preferences of C3DE. The program changes only the values that you change in it.\n"
+    "# What is accepted: the page preferences.md of the guide.\n";
 
 /// A key of the file. `read` returns what is accepted if the value is not.
 struct ConfigKey {

@@ -48,7 +48,7 @@ std::vector<Found> allCommands(FrameContext &frame) {
       const registry::PluginCommand &command = *entry.command;
       all.push_back({"plugins." + command.id, "Plugins: " + command.title, keyText(command.key, command.modifiers),
                      command.doc.empty() ? "Of " + command.owner : command.doc,
-                     !locked.empty() || command.isEnabled ? locked : "The plugin has switched it off at present.",
+                     !locked.empty() || command.isEnabled ? locked : "The plugin has disabled this command.",
                      [&frame, handle = entry.handle] { runPluginCommand(frame.services, handle); }});
     }
   return all;

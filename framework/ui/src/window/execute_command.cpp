@@ -229,7 +229,7 @@ std::string whyDisabled(const FrameContext &frame, const CommandInfo &info) {
   if (needs(needsLabels) && !(services.scanBody && services.scanBody->isPossible()))
     return "No image with a label map over it is open.";
   if (needs(needsTissues) && !(services.tissues && !services.tissues->rows.empty()))
-    return "No body of many tissues is there.";
+    return "The simulation has no body of many tissues.";
   if (needs(needsRecording) && simulation.recording.empty()) return "The simulation is not being recorded.";
   if (needs(needsNoRecording) && !simulation.recording.empty()) return "The simulation is being recorded already.";
   if (needs(needsTimeline) && !simulation.hasTimeline) return "The simulation was not recorded.";

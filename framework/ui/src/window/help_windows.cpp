@@ -105,7 +105,7 @@ void drawShortcuts(FrameContext &frame) {
   if (beginRows(frame, "panels")) {
     shortcutRow("Alt, or Alt and a letter", "open the File menu, or the menu that begins with the letter");
     shortcutRow("Arrows", "move the frame in a menu or dialog");
-    shortcutRow("Enter, Space, Esc", "press what is in the frame; close");
+    shortcutRow("Enter, Space, Esc", "press the marked item; close");
     shortcutRow("Tab", "next text field of a dialog");
     shortcutRow("?", "this list");
     shortcutRow("Ctrl+click on a number", "type an exact value");

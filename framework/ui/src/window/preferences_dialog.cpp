@@ -187,7 +187,8 @@ bool drawRule(FrameContext &frame, std::size_t i, WindowLevelRule &rule, bool &i
 
 bool drawRules(FrameContext &frame, std::vector<WindowLevelRule> &rules) {
   preferenceHeading(frame, "Window and level when an image is opened");
-  ImGui::TextColored(colour::kDim, "The first rule applies whose words are in the name of the image.");
+  ImGui::TextColored(colour::kDim,
+                     "The first rule applies whose words are all in modality, series description or file name.");
   bool isChanged = false;
   std::optional<std::size_t> removed;
   if (!rules.empty() && ImGui::BeginTable("rules", 4)) {

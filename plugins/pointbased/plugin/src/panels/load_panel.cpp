@@ -211,11 +211,12 @@ void LoadPanel::drawRow(sdk::Ui &ui, const ConditionSnapshot &one) {
   bool isChosen = marks.chosen == one.number;
   if (ui.checkbox("load_chosen_" + id, "Chosen", isChosen)) marks.chosen = isChosen ? one.number : 0;
   ui.tooltip(
-      "As by a click on the tip of its arrow in the view; Delete removes the chosen one while the tool Load is active");
+      "Same as a click on the tip of its arrow in the view; Delete removes the chosen one while the tool Load is "
+      "active");
   ui.sameLine();
   bool isShown = marks.isShown(one.number);
   if (ui.checkbox("load_shown_" + id, "Show", isShown)) marks.setShown(one.number, isShown);
-  ui.tooltip("As by its checkbox in the list Scene");
+  ui.tooltip("Same as its checkbox in the list Scene");
   ui.sameLine();
   if (ui.button("load_remove_" + id, "Remove")) {
     edited_.erase(one.number);
