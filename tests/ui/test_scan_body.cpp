@@ -141,14 +141,16 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   window.key("ctrl+i");
   window.openFile(other.image);
   std::string button;
-  const Json offered = window.waitUntil("it is offered to close the simulation", [&](const Json &s) {
+  // Another message offers to compare the two scans.
+  window.waitUntil("it is offered to close the simulation", [&](const Json &s) {
     for (std::size_t i = 0; i < s["notifications"].size(); ++i) {
-      button = "notification/choose." + std::to_string(i) + ".0";
-      if (s["widgets"].contains(button)) return true;
+      if (s["notifications"][i]["title"] != "The simulation is still open") continue;
+      button =
+          "notification/choose." + std::to_string(s["notifications"].size() - 1 - i) + ".0";  // the newest is on top
+      return s["widgets"].contains(button);
     }
     return false;
   });
-  CHECK(offered["notifications"].dump().find("The simulation is still open") != std::string::npos);
   window.screenshot("offered");
   window.click(button);
   const Json closed = C3DE_WAIT(window, "the simulation is closed", s["transport"]["exists"] == false);
