@@ -104,6 +104,8 @@ built openssl with_openssl
 # AABB trees only: no octrees. Eigen's alignment as on every other system (docs/dev/dependencies.md).
 built fcl with_cmake fcl -DFCL_STATIC_LIBRARY=ON -DFCL_WITH_OCTOMAP=OFF -DFCL_USE_HOST_NATIVE_ARCH=OFF -DFCL_USE_X64_SSE=OFF \
   -DCMAKE_CXX_FLAGS="-DEIGEN_MAX_STATIC_ALIGN_BYTES=16 -DCCD_STATIC_DEFINE -w"
+# Its dump of MEC_MR3 elements, which is not used, knows that Visual C++ has no iconv; mingw-w64 has none either.
+sed -i 's/^#ifndef _MSC_VER/#ifndef _WIN32/' "$work/sources/gdcm/Utilities/gdcmext/mec_mr3_io.c"
 built gdcm with_cmake gdcm -DGDCM_BUILD_SHARED_LIBS=OFF -DGDCM_BUILD_APPLICATIONS=OFF -DGDCM_BUILD_TESTING=OFF \
   -DGDCM_DOCUMENTATION=OFF -DGDCM_BUILD_DOCBOOK_MANPAGES=OFF -DGDCM_USE_SOCKETXX=OFF -DCMAKE_CXX_FLAGS=-w -DCMAKE_C_FLAGS=-w
 # Debian's archive has its own packages of these two instead.
@@ -113,5 +115,5 @@ ln -sfn /usr/include/stb "$work/sources/assimp/contrib/stb"
 built assimp with_cmake assimp -DASSIMP_BUILD_ASSIMP_TOOLS=OFF -DASSIMP_BUILD_TESTS=OFF -DASSIMP_BUILD_ZLIB=OFF \
   -DASSIMP_NO_EXPORT=ON -DASSIMP_BUILD_ALL_IMPORTERS_BY_DEFAULT=OFF -DASSIMP_BUILD_STL_IMPORTER=ON \
   -DASSIMP_BUILD_PLY_IMPORTER=ON -DASSIMP_BUILD_OFF_IMPORTER=ON -DASSIMP_BUILD_GLTF_IMPORTER=ON \
-  -DASSIMP_WARNINGS_AS_ERRORS=OFF -DASSIMP_BUILD_DRACO=OFF -DASSIMP_INJECT_DEBUG_POSTFIX=OFF -DCMAKE_CXX_FLAGS=-w
+  -DASSIMP_WARNINGS_AS_ERRORS=OFF -DASSIMP_BUILD_DRACO=OFF -DASSIMP_INJECT_DEBUG_POSTFIX=OFF -DCMAKE_CXX_FLAGS="-w -I$prefix/include/minizip"
 c3de_say "the libraries for Windows are in $prefix"
