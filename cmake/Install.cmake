@@ -5,7 +5,9 @@
 #   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
 #   reference  the documentation as a site, with the Python package and the C headers (Reference.cmake)
 #   pointbased  the point-based core to link into programs of others: static library and headers; needs sdk for the package
-# ./run builds all that these components install (C3DE_PRODUCTS).
+# ./run builds all that these components install (C3DE_PRODUCTS). Components whose name begins with package_ contain parts of these
+# once more, for packages that are split otherwise (Packages.cmake); installing everything leaves them out.
+# The target `uninstall` removes what was installed.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 include(Licences)
@@ -27,6 +29,26 @@ if(NOT WIN32)
   string(APPEND files "$<TARGET_SONAME_FILE:c3de_embed>\n$<TARGET_LINKER_FILE:c3de_embed>\n")
 endif()
 file(GENERATE OUTPUT "${PROJECT_BINARY_DIR}/products$<$<BOOL:${CMAKE_CONFIGURATION_TYPES}>:-$<CONFIG>>.txt" CONTENT "${files}")
+
+# Installed programs and libraries find libraries beside them, in lib, wherever the folder is moved to. DT_RPATH instead of
+# DT_RUNPATH: it holds for the libraries of those libraries as well (archive of Packages.cmake).
+if(UNIX AND NOT APPLE)
+  foreach(product IN LISTS C3DE_PRODUCTS)
+    if(TARGET ${product})
+      get_target_property(type ${product} TYPE)
+      if(NOT type STREQUAL "STATIC_LIBRARY")
+        target_link_options(${product} PRIVATE -Wl,--disable-new-dtags)
+        set_target_properties(${product} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib")
+      endif()
+    endif()
+  endforeach()
+  foreach(plugin pointbased baselines)
+    if(TARGET ${plugin})
+      set_target_properties(${plugin} PROPERTIES INSTALL_RPATH "$ORIGIN/../..")
+    endif()
+  endforeach()
+  set_target_properties(c3de_embed PROPERTIES INSTALL_RPATH "$ORIGIN")
+endif()
 
 # c3de_require_built(COMPONENT TARGET…)   what is installed next: where a file of it is missing, one message says what to type.
 function(c3de_require_built component)
@@ -63,6 +85,7 @@ if(TARGET baselines)
                             RUNTIME DESTINATION lib/c3de/study COMPONENT runtime)
 endif()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/resources/" DESTINATION share/c3de COMPONENT runtime)
+include(Desktop)
 
 # The folder has the layout of the source tree, so that links between pages hold.
 set(documents share/doc/c3de)
@@ -128,3 +151,8 @@ install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DI
   DESTINATION share/c3de/examples COMPONENT sdk)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/plugins/mass_spring" DESTINATION share/c3de/examples COMPONENT sdk
   FILES_MATCHING PATTERN "*.cpp" PATTERN "*.h")
+
+# Removes the files of install_manifest*.txt, which `cmake --install` has left in the build folder, and folders that are empty then.
+add_custom_target(uninstall
+  COMMAND "${CMAKE_COMMAND}" "-DBUILD=${PROJECT_BINARY_DIR}" -P "${CMAKE_CURRENT_LIST_DIR}/packages/uninstall.cmake" VERBATIM)
+include(Packages)

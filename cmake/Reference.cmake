@@ -32,7 +32,10 @@ else()
             "-DOUTPUT=${PROJECT_BINARY_DIR}/reference" "-DPYTHON=${C3DE_PYTHON_WITH_SPHINX}" "-DDOXYGEN=${C3DE_DOXYGEN}"
             "-DVERSION=${PROJECT_VERSION}" -P "${CMAKE_CURRENT_LIST_DIR}/BuildReference.cmake"
     COMMENT "Building the reference" VERBATIM)
-  add_dependencies(reference c3de_python)
+  add_dependencies(reference c3de_python c3de_embed)
+  if(TARGET pointbased)
+    add_dependencies(reference pointbased)
+  endif()
   file(RELATIVE_PATH build "${PROJECT_SOURCE_DIR}" "${PROJECT_BINARY_DIR}")
   install(CODE "if(NOT EXISTS \"${PROJECT_BINARY_DIR}/reference/index.html\")
     set(text \"component reference: it is not built; type: cmake --build ${build} --target reference\")

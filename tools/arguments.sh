@@ -65,11 +65,11 @@ c3de_check_arguments() {
     shift
     case $argument in
       --) return 0 ;;
-      --* | -[a-z])
+      --* | -[a-zA-Z])
         name=${argument%%=*}
         type=$(c3de_type "$name") || c3de_usage "'$name' is not accepted here"
         case $name in
-          --version) isVersion=1 ;;
+          --version | -V) isVersion=1 ;;
           --json) isJson=1 ;;
         esac
         [ -n "$type" ] || continue
@@ -89,8 +89,17 @@ c3de_check_arguments() {
           continue
         fi
         positionals=$((positionals + 1))
-        [ "$command" != plugins ] || c3de_usage "'$argument' is not accepted here"
-        [ "$command" != new-plugin ] && [ ! -e "$argument" ] || continue
+        case $command in
+          plugins | parameters | version | python-path) c3de_usage "'$argument' is not accepted here" ;;
+          new-plugin | materials | completion) continue ;;
+          help)
+            [ -f "$help/$argument.txt" ] || continue
+            cat "$help/$argument.txt"
+            exit 0
+            ;;
+        esac
+        # A scene from standard input.
+        [ "$command$argument" != run- ] && [ ! -e "$argument" ] || continue
         case $command$argument in
           *[./\\]*) c3de_refuse 3 "$argument: no such file" ;;
           *) c3de_refuse 2 "'$argument' is neither a command nor a file; commands: $(tr '\n' ' ' <<<"$commands")" ;;
@@ -98,7 +107,12 @@ c3de_check_arguments() {
         ;;
     esac
   done
-  if [ -n "$isVersion" ] && [ -z "$isJson$command" ]; then
+  [ "$command" != version ] || isVersion=1
+  if [ "$command" = help ] && [ "$positionals" -eq 0 ]; then
+    cat "$help/c3de.txt"
+    exit 0
+  fi
+  if [ -n "$isVersion" ] && [ -z "$isJson" ] && { [ -z "$command" ] || [ "$command" = version ]; }; then
     major=$(sed -nE 's/^#define C3DE_ABI_MAJOR ([0-9]+)u/\1/p' "$root/framework/abi/include/c3de/abi/base.h")
     minor=$(sed -nE 's/^#define C3DE_ABI_MINOR ([0-9]+)u/\1/p' "$root/framework/abi/include/c3de/abi/base.h")
     echo "c3de $(sed -nE 's/^project\(C3DE VERSION ([0-9.]+).*/\1/p' "$root/CMakeLists.txt"), plugin ABI $major.$minor"

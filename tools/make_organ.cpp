@@ -10,57 +10,11 @@
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/geometry/mesh_writer.h"
 #include "implicit_surface.h"
+#include "shapes.h"
 
 namespace {
 
 using namespace c3de;
-
-/// About the distance to an ellipsoid, exact on its surface.
-double ellipsoid(const Vec3 &p, const Vec3 &centre, const Vec3 &radii) {
-  const Vec3 d = p - centre;
-  double k0 = 0.0, k1 = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double s = d[k] / radii[k];
-    k0 += s * s;
-    k1 += s * s / (radii[k] * radii[k]);
-  }
-  k0 = std::sqrt(k0);
-  k1 = std::sqrt(k1);
-  return k1 > 0.0 ? k0 * (k0 - 1.0) / k1 : -std::min({radii[0], radii[1], radii[2]});
-}
-
-/// Turned about an axis through the centre: first rotates the point the other way.
-Vec3 turned(const Vec3 &p, const Vec3 &centre, std::size_t axis, double degrees) {
-  const double c = std::cos(degrees * 0.017453292519943295), s = std::sin(degrees * 0.017453292519943295);
-  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-  Vec3 q = p;
-  q[u] = centre[u] + c * (p[u] - centre[u]) + s * (p[v] - centre[v]);
-  q[v] = centre[v] - s * (p[u] - centre[u]) + c * (p[v] - centre[v]);
-  return q;
-}
-
-/// Union whose seam is rounded over about `width` mm.
-double blend(double a, double b, double width) {
-  const double h = std::max(width - std::abs(a - b), 0.0) / width;
-  return std::min(a, b) - 0.25 * width * h * h;
-}
-
-double carve(double body, double tool, double width) { return -blend(-body, tool, width); }
-
-/// A liver as one draws it: a large right lobe (patient's right is -x), a small left lobe that thins out, a hollow
-/// underside with the hilum, and a notch between the lobes in front. LPS mm, centred near the origin.
-double organ(const Vec3 &p) {
-  const Vec3 right{-34, 0, 0}, tail{-50, 4, -34}, left{42, -10, 16}, tip{78, -14, 22};
-  double d = ellipsoid(turned(p, right, 1, 12.0), right, {62, 50, 58});
-  d = blend(d, ellipsoid(p, tail, {40, 36, 42}), 24.0);
-  d = blend(d, ellipsoid(turned(p, left, 1, -10.0), left, {58, 34, 36}), 30.0);
-  d = blend(d, ellipsoid(p, tip, {28, 20, 17}), 20.0);
-  const Vec3 hilum{12, 26, -44}, notch{18, -44, -36}, fossa{-22, -22, -86};
-  d = carve(d, ellipsoid(turned(p, hilum, 1, -25.0), hilum, {48, 34, 36}), 18.0);
-  d = carve(d, ellipsoid(turned(p, notch, 1, 10.0), notch, {9, 30, 36}), 16.0);
-  d = carve(d, ellipsoid(p, fossa, {20, 28, 32}), 20.0);
-  return d;
-}
 
 /// A block of 160 x 60 x 120 mm with edges rounded by 22 mm, for an organ to fall on along y.
 double obstacle(const Vec3 &p) {
@@ -157,7 +111,7 @@ int main(int argc, char **argv) {
   const Vec3 half = isOrgan ? Vec3{140, 100, 120} : Vec3{115, 65, 95};
   auto raw = isCap    ? cap(60.0, 15.0, spacing)
              : isBall ? ball(50.0, spacing)
-                      : tools::polygonise(isOrgan ? organ : obstacle, {-1.0 * half, half}, spacing, 30);
+                      : tools::polygonise(isOrgan ? tools::liver : obstacle, {-1.0 * half, half}, spacing, 30);
   for (Vec3 &v : raw.vertices)
     for (double &x : v) x = std::round(x * 1e4) / 1e4;  // a tenth of a micrometre is enough, and the file stays small
   const auto built = geometry::buildMesh(std::move(raw), geometry::LengthUnit::millimetre);

@@ -77,8 +77,8 @@ commands_of() {
     while read -r line text; do
       first=${text%% *}
       case $first in
-        */*) [[ $first =~ ^[A-Za-z0-9_./~-]+$ ]] && echo "$line $text" ;;
         [A-Z]*=*) [[ $text =~ ^[A-Z0-9_]+=[^\ ]+\ [a-z./] ]] && echo "$line $text" ;;
+        */*) [[ $first =~ ^[A-Za-z0-9_./~-]+$ ]] && echo "$line $text" ;;
         c3de | c3de-* | bench_* | test_* | fuzz_* | cmake | ctest | ninja | mkdir | cp | cd | env | git | bash | python3) echo "$line $text" ;;
         xvfb-run | mpirun | rsvg-convert | cc | c++ | g++ | gcc | gdb | apt-get | sudo | pkg-config | for | while | export)
           echo "$line $text" ;;

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Checks the text of the documentation:
 #   documented_words.sh names ROOT       every name in backticks occurs in the sources, scenes, scripts or build files
-#   documented_words.sh sentences ROOT   no sentence of README.md and docs exceeds 40 words
+#   documented_words.sh sentences ROOT   no sentence of README.md and docs exceeds 40 words, and none of a tutorial 25
+#   documented_words.sh links ROOT       every file, heading and picture that a page links to exists
 set -euo pipefail
 check=$1
 cd "$2"
-most_words=40
+most_words=40 most_words_of_tutorials=25
 # Names of other projects and systems, patterns of names, and places to be filled in.
 others="RightKidney happen abidiff enable kidneys_2 nodir all_verify_interface_header_sets aparc aseg autogroup bullet3 librsvg2 msmpi opengl
   SimplicialLLT TOML_HEADER_ONLY PascalCase snake_case YourClass FIRST SECOND MASS STRESS Should"
@@ -52,7 +53,7 @@ names() {
 sentences() {
   # The table of extremes is written by its tests.
   # shellcheck disable=SC2046
-  prose README.md $(find docs -name '*.md' ! -name extremes.md | sort) | awk -F '\t' -v most="$most_words" '
+  prose README.md $(find docs -name '*.md' ! -name extremes.md | sort) | awk -F '\t' -v usual="$most_words" -v strict="$most_words_of_tutorials" '
     function flush(   n, i, words, w, k, sentence) {
       gsub(/`[^`]*`/, "CODE", text)
       while (match(text, /\]\([^)]*\)/)) text = substr(text, 1, RSTART - 1) substr(text, RSTART + RLENGTH)
@@ -64,6 +65,7 @@ sentences() {
         k = split(sentence[i], words, /[ \t]+/); w = 0
         for (j = 1; j <= k; ++j) if (words[j] ~ /[A-Za-z0-9]/) ++w
         ++sentences
+        most = at ~ /^docs\/user\/(tutorials\/|symptoms)/ ? strict : usual
         if (w > most) { print at ": a sentence of " w " words: " substr(sentence[i], 1, 90) > "/dev/stderr"; bad = 1 }
       }
       text = ""
@@ -89,8 +91,44 @@ sentences() {
     }'
 }
 
+# Anchors of the headings of a page, as GitHub and MyST make them.
+anchors() {
+  awk '/^ *```/ { fenced = !fenced } !fenced && /^#+ / { sub(/^#+ +/, ""); print }' "$1" |
+    sed -E -e 's/\[([^]]*)\]\([^)]*\)/\1/g' -e 's/[`*]//g' | tr '[:upper:]' '[:lower:]' |
+    sed -E -e 's/[^[:alnum:] _-]//g' -e 's/ /-/g'
+}
+
+links() {
+  local page line link file anchor target count=0 bad=0
+  # shellcheck disable=SC2046
+  while IFS=$'\t' read -r page line link; do
+    case $link in http://* | https://* | mailto:*) continue ;; esac
+    count=$((count + 1))
+    file=${link%%#*} anchor=""
+    case $link in *'#'*) anchor=${link#*#} ;; esac
+    target=$page
+    [ -z "$file" ] || target=$(dirname "$page")/$file
+    if [ ! -e "$target" ]; then
+      echo "$page:$line: $link: there is no such file" >&2
+      bad=1
+    elif [ -n "$anchor" ] && [[ $target == *.md ]] && ! anchors "$target" | grep -qxF -- "$anchor"; then
+      echo "$page:$line: $link: there is no such heading" >&2
+      bad=1
+    fi
+  done < <(prose $(find README.md docs -name '*.md' | sort) |
+    awk -F '\t' '{ text = $3; gsub(/`[^`]*`/, "CODE", text)
+                   while (match(text, /\]\([^) ]*\)/)) {
+                     print $1 "\t" $2 "\t" substr(text, RSTART + 2, RLENGTH - 3); text = substr(text, RSTART + RLENGTH) } }')
+  if [ "$count" -lt 300 ]; then
+    echo "only $count links found: the pages are not read as they are written" >&2
+    return 1
+  fi
+  [ "$bad" -eq 0 ] && echo "$count links"
+}
+
 case $check in
   names) names ;;
   sentences) sentences ;;
-  *) echo "documented_words.sh: names or sentences, not '$check'" >&2; exit 2 ;;
+  links) links ;;
+  *) echo "documented_words.sh: names, sentences or links, not '$check'" >&2; exit 2 ;;
 esac

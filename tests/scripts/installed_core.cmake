@@ -6,7 +6,7 @@ include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 set(prefix "${PLACE}/prefix")
 file(REMOVE_RECURSE "${PLACE}")
-run("${CMAKE_COMMAND}" --install "${BUILD}" --component sdk --prefix "${prefix}")
+install_component("${BUILD}" sdk "${prefix}")
 
 # The component is asked for before it is there.
 file(WRITE "${PLACE}/missing/CMakeLists.txt" "cmake_minimum_required(VERSION 3.23)\nproject(missing LANGUAGES CXX)\nfind_package(C3DE REQUIRED COMPONENTS PointBased)\n")
@@ -15,7 +15,7 @@ execute_process(COMMAND "${CMAKE_COMMAND}" -G Ninja -S "${PLACE}/missing" -B "${
 if(code EQUAL 0 OR NOT errors MATCHES "PointBased is not installed in")
   message(SEND_ERROR "a package without PointBased is to say so:\n${errors}")
 endif()
-run("${CMAKE_COMMAND}" --install "${BUILD}" --component pointbased --prefix "${prefix}")
+install_component("${BUILD}" pointbased "${prefix}")
 
 file(GLOB headers RELATIVE "${prefix}/include" "${prefix}/include/pointbased/*.h")
 list(LENGTH headers count)

@@ -5,7 +5,7 @@ include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 set(prefix "${PLACE}/prefix")
 file(REMOVE_RECURSE "${PLACE}")
-run("${CMAKE_COMMAND}" --install "${BUILD}" --component sdk --prefix "${prefix}")
+install_component("${BUILD}" sdk "${prefix}")
 file(GLOB_RECURSE version_file "${prefix}/*/C3DEConfigVersion.cmake")
 file(READ "${version_file}" version_text)
 if(NOT version_text MATCHES "PACKAGE_VERSION \"([0-9.]+)\"")

@@ -8,6 +8,25 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
+# install_component(BUILD COMPONENT PREFIX [FOLDER])   The list of installed files goes to FOLDER; the one in the build folder is
+# that of the last installation by hand again, which `uninstall` needs.
+function(install_component build component prefix)
+  set(manifest "${build}/install_manifest_${component}.txt")
+  set(kept "${build}/CMakeFiles/kept_${component}.txt")
+  file(REMOVE "${kept}")
+  if(EXISTS "${manifest}")
+    file(RENAME "${manifest}" "${kept}")
+  endif()
+  run("${CMAKE_COMMAND}" --install "${build}" --component ${component} --prefix "${prefix}")
+  if(ARGC GREATER 3)
+    file(COPY "${manifest}" DESTINATION "${ARGV3}")
+  endif()
+  file(REMOVE "${manifest}")
+  if(EXISTS "${kept}")
+    file(RENAME "${kept}" "${manifest}")
+  endif()
+endfunction()
+
 # Configures and builds a project that sees the prefix alone, with every warning an error.
 function(build_outside source build prefix compiler type)
   set(cc gcc)

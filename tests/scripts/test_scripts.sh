@@ -323,6 +323,16 @@ case $machine in
     launch run --version
     ends_with_status 0
     [ "$(cat "$place/out")" = "c3de $(sed -nE 's/^project\(C3DE VERSION ([0-9.]+).*/\1/p' "$root/CMakeLists.txt"), plugin ABI 1.0" ] || fail "the version was expected"
+    cp "$place/out" "$place/version"
+    for arguments in -V version; do
+      launch run $arguments
+      ends_with_status 0
+      cmp "$place/out" "$place/version" || fail "$arguments: the version was expected"
+    done
+    launch run help
+    cmp "$place/out" "$root/tools/help/c3de.txt" || fail "the help was expected"
+    launch run help run
+    cmp "$place/out" "$root/tools/help/run.txt" || fail "the help of run was expected"
     [ ! -s "$state/log" ] || fail "nothing was to be called"
     ;;
   mistakes_before_building)
@@ -335,7 +345,7 @@ case $machine in
       [ ! -s "$place/out" ] && [ "$(grep -c '' "$place/err")" -eq 1 ] || fail "$arguments: one line on stderr was expected"
       [ ! -s "$state/log" ] || fail "$arguments: nothing was to be called"
     done <<'EOF'
-2 rnu => 'rnu' is neither a command nor a file; commands: run replay info plugins new-plugin study python-path
+2 rnu => 'rnu' is neither a command nor a file; commands: run replay info materials parameters plugins study new-plugin python-path completion help version
 2 --frobnicate => '--frobnicate' is not accepted here; see ./run --help
 2 run => SCENE is required; see ./run run --help
 2 run a.toml --untill 1 => '--untill' is not accepted here; see ./run run --help
@@ -356,6 +366,8 @@ case $machine in
 2 study => STUDY is required
 2 study s.toml => --out is required
 2 plugins --off => --off: 1 required ID missing
+2 version x.obj => 'x.obj' is not accepted here
+2 completion => SHELL is required
 2 new-plugin => NAME is required
 2 --json => --json is for --version, info and plugins
 2 bench_none => there is no benchmark 'bench_none'; accepted: bench_forces
@@ -376,9 +388,13 @@ EOF
       : >"$state/log"
     done <<'EOF'
 run a.toml --until 1e-3 -q --set body.a.b=-1 --set solver.dt=auto --report -
+run - --steps 3 --probes - -q
+materials liver --json
+help environment
+completion bash
 run --until=.5 a.toml --export=a.pvd --export-every .1 --set=a.b=1 --plugin-param org.c3de.magnet:strength=-20 -v
 --verbose --threads 2 run a.toml --steps +3 --verify
-run -qv a.toml --size 640x480 --screenshot=a.png
+run -q a.toml --size 640x480 --screenshot=a.png
 info x.obj a.toml --quick --json
 info x.obj --time 3 --series 1.2#3
 plugins --json --off a --on b

@@ -3,7 +3,7 @@
 //   xvfb-run -a -s "-screen 0 1280x800x24" build/release/bin/test_ui "[guide]"
 // writes guide-NAME.png to test-output/ui; check them and copy those that show what the page describes. pulled.png is
 // image_walk-pulled.png of the scenario image_walk, loads.png, measurements.png and body_update.png are
-// organ_loads-set.png, measurements-placed.png and body_update-added.png.
+// organ_loads-set.png, measurements-placed.png and body_update-added.png; load_arrow.png is block_loads-dragged.png.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "c3de/imaging/reading.h"
+#include "c3de/imaging/writing.h"
 #include "support/catch.h"
 #include "support/environment.h"
 #include "ui/scan_window.h"
@@ -94,6 +96,35 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   C3DE_WAIT(window, "the preset is set", s["values"].value("image/preset", "") == "CT abdomen (4)");
   std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
   window.screenshot("image");
+}
+
+TEST_CASE("A picture of two scans for the user guide", "[.guide][.guide_comparison]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  // The same patient, 5 degrees and some millimetres off.
+  auto read = imaging::readVolume(image);
+  REQUIRE(read);
+  const double c = std::cos(0.087), s = std::sin(0.087);
+  Mat4 &place = read->volume.geometry.indexToWorld;
+  place = multiply({c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 6, -9, 4, 1}, place);
+  const std::filesystem::path second = outputFile("guide_follow_up.nrrd");
+  REQUIRE(imaging::writeVolume(second, read->volume));
+  WorkstationDriver window("guide");
+  window.start({image.string()});
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
+  window.clickMenu("file.open_comparison");
+  window.openFile(second);
+  C3DE_WAIT(window, "both are shown", textOf(s, "comparison/name") == second.filename().string());
+  window.moveTo(window.inPane("axial", 0.5, 0.5));
+  window.key("4");
+  window.click("image/header");
+  window.click("segmentation/header");
+  window.choose("comparison/mode", "checkerboard");
+  window.enterNumber("comparison/square", "40");
+  window.enterNumber("comparison/window", "300");
+  window.enterNumber("comparison/level", "110");
+  window.clickAt(window.inPane("axial", 0.31, 0.62));
+  window.screenshotAtRest("comparison");
 }
 
 TEST_CASE("A picture of the brush for the user guide", "[.guide][.guide_brush]") {
@@ -465,6 +496,24 @@ TEST_CASE("Pictures of the modes of the panel for the user guide", "[.guide][.gu
   window.moveTo(window.inView(0.9, 0.1));
   window.waitFrames(3);
   window.screenshot("panel_search");  // the text cursor blinks
+}
+
+TEST_CASE("Preferences for the user guide", "[.guide][.guide_preferences]") {
+  C3DE_ORGAN_OR_SKIP();
+  // A short name of the file in the picture.
+  const ScopedEnvironment person("C3DE_HOME", "guide_preferences");
+  std::filesystem::remove_all("guide_preferences");
+  std::filesystem::create_directories("guide_preferences/config");
+  std::ofstream("guide_preferences/config/config.toml")
+      << "[appearance]\ntheme = \"light\"\n[units]\npressure = \"mmHg\"\n"
+         "[[window_level]]\nname_contains = \"CT thorax lung\"\ncentre = -600\nwidth = 1500\n"
+         "[[window_level]]\nname_contains = \"CT liver\"\ncentre = 80\nwidth = 160\n";
+  WorkstationDriver window("guide");
+  window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
+  C3DE_WAIT(window, "the organ is shown", s["values"].contains(kPanel + "Surfels") && s["jobs"].empty());
+  window.key("ctrl+comma");
+  C3DE_WAIT(window, "the preferences are shown", s["widgets"].contains("preferences/restore"));
+  window.screenshotAtRest("preferences");
 }
 
 TEST_CASE("The plugin manager", "[.guide]") {

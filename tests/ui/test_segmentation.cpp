@@ -73,6 +73,8 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   const Phantom phantom;
   const fs::path file = outputFile("image_guide_phantom.nii.gz");
   if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
+  const fs::path home = freshHome("image_guide_home");
+  const ScopedEnvironment user("C3DE_HOME", home.string());
   WorkstationDriver window("image_guide");
   window.start({file.string()});
   C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
@@ -121,6 +123,7 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   window.waitForValue("segmentation/material", "liver");
   CHECK_THAT(window.value("segmentation/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
   window.screenshot("material");
+  window.waitUntil("the mask is autosaved", [&](const Json &) { return !recoveryIn(home).empty(); });
   window.click("segmentation/create");
   C3DE_WAIT(window, "the body is created",
             s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
@@ -128,6 +131,7 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   const Json state = window.state();
   CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(),
                     [](const Json &node) { return node["name"] == "liver"; }));
+  // The body continues the session of the mask, and nothing is reported as lost.
   REQUIRE(state["notifications"].size() == 1);
   CHECK(state["notifications"][0]["title"] == "Body created: liver");
   window.moveTo(axialPixel(window, {0, -45, 0}));

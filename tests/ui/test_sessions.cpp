@@ -39,6 +39,7 @@ TEST_CASE("a session is saved with its changes and continues in another window",
     startOrgan(window);
     CHECK(title(window.state()) == "Floating organ - C3DE");
     window.enterNumber(kPanel + "material.youngs_modulus", "9000 Pa");
+    C3DE_WAIT(window, "the stiffness is set", row(s, "material.youngs_modulus") == "9 kPa");
     window.moveTo(window.inView(0.9, 0.9));
     simulate(window, 20);
     // A pull leaves the organ deformed.
@@ -61,8 +62,9 @@ TEST_CASE("a session is saved with its changes and continues in another window",
   CHECK(saved["steps"] == paused["transport"]["steps"]);
   WorkstationDriver window("session_opened");
   window.start({file.string()});
-  const Json opened =
-      C3DE_WAIT(window, "it is opened", s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"]);
+  const Json opened = C3DE_WAIT(
+      window, "it is opened",
+      s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"] && !row(s, "Surfels").empty());
   CHECK(title(opened) == "organ.c3de - C3DE");
   CHECK(opened["notifications"].empty());
   CHECK(row(opened, "material.youngs_modulus") == "9 kPa");

@@ -301,6 +301,7 @@ void WorkstationDriver::enterNumber(const std::string &field, const std::string 
   key("ctrl+a");
   type(text);
   key("Return");
+  waitUntil("the number is entered", [](const Json &s) { return !s["text_input"].get<bool>(); });
 }
 
 void WorkstationDriver::choose(const std::string &list, const std::string &option) {

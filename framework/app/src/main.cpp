@@ -60,6 +60,7 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
   std::map<const CLI::App *, Handler> handlers{{&app, declareWorkstation(app, line)}};
   for (const Command *command : commands()) {
     CLI::App *sub = app.add_subcommand(command->name, command->summary);
+    if (command->isHidden) sub->group("");
     if (command->declare)
       handlers[sub] = command->declare(*sub, line);
     else
@@ -83,6 +84,7 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
   }
 
   if (line.verbose) setLogThreshold(LogLevel::debug);
+  if (line.quiet) setLogThreshold(LogLevel::error);
   const auto handler = handlers.find(&chosen());
   if (handler == handlers.end())
     return reportError({ErrorCode::usage, "'" + chosen().get_name() + "' is not available yet; this version provides " +

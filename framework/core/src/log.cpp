@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/core/log.h"
 
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -23,8 +23,13 @@ struct LogState {
   std::function<void(LogLevel, const std::string &)> listener;
 
   LogState() {
-    logger = std::make_shared<spdlog::logger>("c3de", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-    logger->set_pattern("c3de: %l: %v");
+    // https://no-color.org: any value that is not empty
+    const char *noColour = std::getenv("NO_COLOR");
+    const bool isPlain = noColour != nullptr && *noColour != '\0';
+    logger = std::make_shared<spdlog::logger>(
+        "c3de", std::make_shared<spdlog::sinks::stderr_color_sink_mt>(isPlain ? spdlog::color_mode::never
+                                                                              : spdlog::color_mode::automatic));
+    logger->set_pattern("c3de: %^%l%$: %v");
     logger->set_level(spdlog::level::info);
     logger->flush_on(spdlog::level::debug);
   }

@@ -142,7 +142,9 @@ std::filesystem::path userCacheDirectory() { return homeBased("XDG_CACHE_HOME", 
 
 std::vector<std::filesystem::path> fontDirectories() {
   return {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/truetype", "/usr/share/fonts",
-          std::filesystem::path(environmentVariable("HOME")) / ".local/share/fonts"};
+          std::filesystem::path(environmentVariable("HOME")) / ".local/share/fonts",
+          // Of the archive, for systems without fonts.
+          executablePath().parent_path() / ".." / "share" / "c3de" / "fonts"};
 }
 
 std::string environmentVariable(const char *name) {

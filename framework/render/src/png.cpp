@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "c3de/core/output_file.h"
+#include "c3de/render/picture_file.h"
 #include "c3de/render/png_file.h"
 #include "c3de/render/renderer.h"
 
@@ -30,11 +31,20 @@ void append(void *context, void *data, int size) {
   out.insert(out.end(), bytes, bytes + size);
 }
 
-Expected<std::vector<char>> encode(const Image &image) {
+Expected<void> checkSize(const Image &image) {
   const auto pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  if (image.width <= 0 || image.height <= 0 || image.rgb.size() != 3 * pixels)
-    return fail(ErrorCode::internal, fmt::format("the image has {} bytes, {} x {} pixels need 3 bytes each",
-                                                 image.rgb.size(), image.width, image.height));
+  if (image.width > 0 && image.height > 0 && image.rgb.size() == 3 * pixels) return {};
+  return fail(ErrorCode::internal, fmt::format("the image has {} bytes, {} x {} pixels need 3 bytes each",
+                                               image.rgb.size(), image.width, image.height));
+}
+
+tl::unexpected<Error> notEncoded(const Image &image, const char *format) {
+  return fail(ErrorCode::output,
+              fmt::format("encoding {} x {} pixels as {} failed (out of memory?)", image.width, image.height, format));
+}
+
+Expected<std::vector<char>> encode(const Image &image) {
+  if (const auto good = checkSize(image); !good) return tl::unexpected(good.error());
   // The library's only setting is a global; set once so that several threads may write.
   [[maybe_unused]] static const bool configured = [] {
     stbi_write_png_compression_level = kCompressionLevel;
@@ -42,8 +52,7 @@ Expected<std::vector<char>> encode(const Image &image) {
   }();
   std::vector<char> bytes;
   if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), 3 * image.width) == 0)
-    return fail(ErrorCode::output,
-                fmt::format("encoding {} x {} pixels as PNG failed (out of memory?)", image.width, image.height));
+    return notEncoded(image, "PNG");
   return bytes;
 }
 
@@ -86,6 +95,16 @@ Expected<std::vector<char>> encodePng(const Image &image, double pixelsPerInch) 
   chunk.push_back(1);  // per metre
   appendBigEndian(chunk, chunkCrc({chunk.data() + 4, 4 + kContentBytes}));
   bytes->insert(bytes->begin() + kAfterHeader, chunk.begin(), chunk.end());
+  return bytes;
+}
+
+Expected<std::vector<char>> encodeJpeg(const Image &image, int quality) {
+  if (const auto good = checkSize(image); !good) return tl::unexpected(good.error());
+  if (quality < 1 || quality > 100)
+    return fail(ErrorCode::internal, fmt::format("JPEG quality {}; accepted: 1 to 100", quality));
+  std::vector<char> bytes;
+  if (stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), quality) == 0)
+    return notEncoded(image, "JPEG");
   return bytes;
 }
 

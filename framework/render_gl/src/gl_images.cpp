@@ -8,9 +8,12 @@
 namespace c3de::render {
 
 ImageParts GlImages::partsOf(const ImageDisplay &look) {
-  return {find(look.image, ImageSlot::Kind::image), find(look.labels, ImageSlot::Kind::labels),
-          find(look.displacement, ImageSlot::Kind::displacement), find(look.bodies, ImageSlot::Kind::image),
-          find(look.missing, ImageSlot::Kind::image)};
+  return {find(look.image, ImageSlot::Kind::image),
+          find(look.labels, ImageSlot::Kind::labels),
+          find(look.displacement, ImageSlot::Kind::displacement),
+          find(look.bodies, ImageSlot::Kind::image),
+          find(look.missing, ImageSlot::Kind::image),
+          find(look.comparison.image, ImageSlot::Kind::image)};
 }
 
 void GlImages::drawSlice(const ImageDisplay &look, const SlicePlane &plane, const Viewport &v) {
@@ -51,8 +54,8 @@ void GlImages::drawOpaque(const Frame &frame) {
   if (!parts.image) return;
   for (const SliceInSpace &slice : scene_.slices)
     slices_.drawInSpace(parts, scene_.look,
-                        cutPolygon(sliceOutline(parts.image->place, slice.point, slice.normal), scene_.cuts),
-                        slice.frame, frame, statistics_);
+                        cutPolygon(sliceOutline(parts.image->place, slice.point, slice.normal), scene_.cuts), slice,
+                        frame, statistics_);
 }
 
 void GlImages::setCuts(Frame &frame) const {

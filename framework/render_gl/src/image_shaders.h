@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts for images. Positions are in the index spaces of the grids; the matrices are computed in double
-// precision. Variants are selected by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, FIELD, MAXIMUM,
-// SHADED, LAYERED, because a software renderer executes both sides of a branch.
+// precision. Variants are selected by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, FIELD, COMPARED,
+// MAXIMUM, SHADED, LAYERED, because a software renderer executes both sides of a branch.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -19,7 +19,8 @@ enum ImageUnit : unsigned {
   kColourUnit = 10,
   kMissingUnit = 11,
   kFieldUnit = 12,
-  kImageUnits = 13
+  kSecondUnit = 13,
+  kImageUnits = 14
 };
 enum SliceUniform : int {
   kClipFromLocal = 0,
@@ -31,6 +32,11 @@ enum SliceUniform : int {
   kGrey = 6,
   kLabelOpacity = 7,
   kOverlay = 8,
+  kSecondFromLocal = 9,
+  kSecondGrey = 10,
+  kSecondWeights = 11,
+  kSquaresAlong = 12,
+  kSquaresAcross = 13,
 };
 enum SharedUniform : int { kMinGap = 16 };
 enum RayUniform : int {
@@ -59,6 +65,10 @@ FLOW vec3 vLabel;
 #endif
 #ifdef DISPLACED
 FLOW vec3 vNode;
+#endif
+#ifdef COMPARED
+FLOW vec3 vSecond;
+FLOW vec2 vSquares;
 #endif
 )";
 
@@ -108,6 +118,9 @@ layout(location = 0) uniform mat4 uClipFromLocal;
 layout(location = 1) uniform mat4 uImageFromLocal;
 layout(location = 2) uniform mat4 uLabelFromLocal;
 layout(location = 3) uniform mat4 uNodeFromLocal;
+layout(location = 9) uniform mat4 uSecondFromLocal;
+layout(location = 12) uniform vec4 uSquaresAlong;
+layout(location = 13) uniform vec4 uSquaresAcross;
 void main() {
   vec4 p = vec4(aPosition, 1.0);
   vImage = (uImageFromLocal * p).xyz;
@@ -116,6 +129,10 @@ void main() {
 #endif
 #ifdef DISPLACED
   vNode = (uNodeFromLocal * p).xyz;
+#endif
+#ifdef COMPARED
+  vSecond = (uSecondFromLocal * p).xyz;
+  vSquares = vec2(dot(uSquaresAlong, p), dot(uSquaresAcross, p));
 #endif
   gl_Position = uClipFromLocal * p;
 }
@@ -137,6 +154,20 @@ layout(binding = 11) uniform sampler3D uMissing;
 #endif
 #ifdef FIELD
 layout(binding = 12) uniform sampler3D uField;
+#endif
+#ifdef COMPARED
+layout(binding = 13) uniform sampler3D uSecond;
+layout(location = 10) uniform vec3 uSecondGrey;     // gain, bias, 1 for colours
+layout(location = 11) uniform vec2 uSecondWeights;  // in even squares, in odd ones
+/// Red, green, blue, and the weight of the second image. Outside of it the first one is shown.
+vec4 secondAt() {
+  vec3 count = vec3(textureSize(uSecond, 0));
+  vec3 texel = texture(uSecond, (vSecond + 0.5) / count).rgb;
+  vec3 grey = mix(texel.rrr, texel, uSecondGrey.z) * uSecondGrey.x + uSecondGrey.y;
+  float parity = mod(floor(vSquares.x) + floor(vSquares.y), 2.0);
+  bool isInside = isWithin(vSecond, vec3(-0.5), count - 0.5);
+  return vec4(clamp(grey, 0.0, 1.0), isInside ? mix(uSecondWeights.x, uSecondWeights.y, parity) : 0.0);
+}
 #endif
 out vec4 oColour;
 void main() {
@@ -161,6 +192,10 @@ void main() {
 #endif
   bool isInside = isWithin(index, vec3(-0.5), count - 0.5);
   vec3 colour = isInside ? clamp(texel * uGrey.x + uGrey.y, 0.0, 1.0) : vec3(0.0);
+#ifdef COMPARED
+  vec4 second = secondAt();
+  colour = mix(colour, second.rgb, second.a);
+#endif
 #ifdef LABELLED
   vec3 label = vLabel;
 #ifdef DISPLACED
@@ -191,8 +226,12 @@ void main() {
 #endif
 #ifdef VACATED
   // Hatched: nothing is known of what is there now.
-  if (vacated)
+  if (vacated) {
     colour = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 1.0 ? vec3(0.2, 0.3, 0.32) : vec3(0.02);
+#ifdef COMPARED
+    colour = mix(colour, second.rgb, second.a);  // the second image is known there
+#endif
+  }
 #endif
 #ifdef MISSING
   // Hatched the other way: meant to be a body, and in none.

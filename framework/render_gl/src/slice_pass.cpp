@@ -11,12 +11,42 @@ namespace c3de::render {
 namespace {
 
 constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kEmptied = 8, kColoured = 16, kStill = 32,
-                   kMissing = 64, kField = 128;
+                   kMissing = 64, kField = 128, kCompared = 256;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
 Mat4 indexFromLocal(const ImageSlot &slot, const Mat4 &worldFromLocal) {
   return multiply(slot.indexFromWorld, worldFromLocal);
+}
+
+/// Any part of a direction that is in the plane, and what is orthogonal to it there.
+std::array<Vec3, 2> directionsInPlane(const Vec3 &normal, const Vec3 &wanted) {
+  constexpr double kParallel = 1e-6;
+  const Vec3 n = (1.0 / std::max(norm(normal), 1e-30)) * normal;
+  for (const Vec3 &direction : {wanted, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
+    const Vec3 inPlane = direction - dot(direction, n) * n;
+    if (const double length = norm(inPlane); length > kParallel) {
+      const Vec3 along = (1.0 / length) * inPlane;
+      return {along, cross(n, along)};
+    }
+  }
+  return {};
+}
+
+/// Number of squares between a point and the middle of the first image, in one direction, as a linear function of local
+/// coordinates.
+std::array<float, 4> squaresAlong(const Vec3 &direction, const ImageSlot &image, double side_mm,
+                                  const Mat4 &worldFromLocal) {
+  Vec3 middle{};
+  for (std::size_t a = 0; a < 3; ++a) middle[a] = 0.5 * (static_cast<double>(image.place.size[a]) - 1.0);
+  middle = c3de::transformPoint(image.place.worldFromIndex, middle);
+  const Vec3 origin{worldFromLocal[12], worldFromLocal[13], worldFromLocal[14]};
+  std::array<float, 4> linear{};
+  for (std::size_t c = 0; c < 3; ++c)
+    linear[c] = static_cast<float>(
+        dot(direction, {worldFromLocal[4 * c], worldFromLocal[4 * c + 1], worldFromLocal[4 * c + 2]}) / side_mm);
+  linear[3] = static_cast<float>(dot(direction, origin - middle) / side_mm);
+  return linear;
 }
 
 }  // namespace
@@ -48,6 +78,9 @@ void bindImageTextures(const ImageParts &parts, bool isSmooth) {
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, filter);
   };
+  if (parts.second)
+    bindImage(kSecondUnit,
+              parts.second->hasColours ? texturesOf(*parts.second).colours : texturesOf(*parts.second).grid);
   if (parts.image->hasColours) bindImage(kColourUnit, texturesOf(*parts.image).colours);
   bindImage(kImageUnit, texturesOf(*parts.image).grid);
   for (GLuint unit = 0; unit < kImageUnits; ++unit) glBindSampler(unit, 0);
@@ -81,6 +114,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kStill) texts->push_back("#define STILL\n");
       if (variant & kField) texts->push_back("#define FIELD\n");
       if (variant & kMissing) texts->push_back("#define MISSING\n");
+      if (variant & kCompared) texts->push_back("#define COMPARED\n");
     }
     vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
     fragment.insert(fragment.end(), {"#define FLOW in\n", kSlicePlaces, kGridFunction});
@@ -116,11 +150,12 @@ void SlicePass::drawFlat(const ImageParts &parts, const ImageDisplay &look, cons
     worldFromPixel[8 + a] = normal[a];
     worldFromPixel[12 + a] = plane.origin[a];
   }
-  draw(parts, look, corners, clipFromPixel, worldFromPixel, statistics);
+  const auto [along, across] = directionsInPlane(normal, plane.right);
+  draw(parts, look, corners, clipFromPixel, worldFromPixel, {along, across}, statistics);
 }
 
 void SlicePass::drawInSpace(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3> corners,
-                            const Colour &border, const Frame &frame, RenderStatistics &statistics) {
+                            const SliceInSpace &slice, const Frame &frame, RenderStatistics &statistics) {
   if (corners.size() < 3) return;
   // Local coordinates are millimetres from the first corner, so that floats suffice far from the world's origin.
   Mat4 worldFromLocal = kIdentity4;
@@ -131,7 +166,8 @@ void SlicePass::drawInSpace(const ImageParts &parts, const ImageDisplay &look, s
     local.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
   const Mat4 clipFromLocal = multiply(frame.projection, multiply(frame.view, worldFromLocal));
-  draw(parts, look, local, clipFromLocal, worldFromLocal, statistics);
+  const auto [along, across] = directionsInPlane(slice.normal, slice.along);
+  draw(parts, look, local, clipFromLocal, worldFromLocal, {along, across}, statistics);
 
   if (!outline_) {
     using namespace shaders;
@@ -145,14 +181,15 @@ void SlicePass::drawInSpace(const ImageParts &parts, const ImageDisplay &look, s
   glUseProgram(outline_->name());
   const Mat4f matrix = toFloat(clipFromLocal);
   glUniformMatrix4fv(shaders::kClipFromLocal, 1, GL_FALSE, matrix.data());
-  glUniform4fv(1, 1, border.data());
+  glUniform4fv(1, 1, slice.frame.data());
   glBindVertexArray(array_.name());  // it still holds the corners
   glDrawArrays(GL_LINE_LOOP, 0, static_cast<GLsizei>(local.size()));
   ++statistics.drawCalls;
 }
 
 void SlicePass::draw(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3f> corners,
-                     const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, RenderStatistics &statistics) {
+                     const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, const InPlane &squares,
+                     RenderStatistics &statistics) {
   unsigned variant = 0;
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
   if (parts.displacement) variant |= kDisplaced;
@@ -163,6 +200,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageDisplay &look, std::spa
   if (parts.hasEmptiedRegion()) variant |= kEmptied | (look.hasFixedRegions ? kStill : 0);
   if (parts.image->hasColours) variant |= kColoured;
   if (parts.missing) variant |= kMissing;
+  if (parts.second) variant |= kCompared;
   const Program *program = programFor(variant, statistics);
   if (!program) return;
   using namespace shaders;
@@ -187,6 +225,18 @@ void SlicePass::draw(const ImageParts &parts, const ImageDisplay &look, std::spa
     setMatrix(kNodeFromLocal, indexFromLocal(*parts.displacement, worldFromLocal));
     setLinear(kImageFromShift, parts.image->indexFromWorld);
     if (variant & kLabelled) setLinear(kLabelFromShift, parts.labels->indexFromWorld);
+  }
+  if (variant & kCompared) {
+    const ComparisonDisplay &both = look.comparison;
+    setMatrix(kSecondFromLocal,
+              multiply(multiply(parts.second->indexFromWorld, affineInverse(both.worldFromSecond)), worldFromLocal));
+    const std::array<float, 2> ramp = greyRamp(*parts.second, both.window, both.level);
+    glUniform3f(kSecondGrey, ramp[0], ramp[1], parts.second->hasColours ? 1.0f : 0.0f);
+    const float weight = std::clamp(both.weight, 0.0f, 1.0f);
+    glUniform2f(kSecondWeights, both.isCheckerboard ? 0.0f : weight, both.isCheckerboard ? 1.0f : weight);
+    const double side = both.square_mm > 0.0 ? both.square_mm : 1.0;
+    glUniform4fv(kSquaresAlong, 1, squaresAlong(squares.along, *parts.image, side, worldFromLocal).data());
+    glUniform4fv(kSquaresAcross, 1, squaresAlong(squares.across, *parts.image, side, worldFromLocal).data());
   }
   if (variant & kEmptied) glUniform1f(kMinGap, static_cast<float>(look.leastGap));
   if (variant & (kShifted | kField)) {

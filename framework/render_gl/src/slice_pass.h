@@ -14,7 +14,8 @@ namespace c3de::render {
 
 /// The objects that a look refers to, looked up for every frame.
 struct ImageParts {
-  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr, *missing = nullptr;
+  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr, *missing = nullptr,
+                  *second = nullptr;
 
   [[nodiscard]] bool hasEmptiedRegion() const { return displacement && displacement->hasGaps && bodies; }
 };
@@ -31,15 +32,20 @@ class SlicePass {
                 RenderStatistics &statistics);
   /// A convex polygon in world space, depth-tested.
   void drawInSpace(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3> corners,
-                   const Colour &border, const Frame &frame, RenderStatistics &statistics);
+                   const SliceInSpace &slice, const Frame &frame, RenderStatistics &statistics);
 
  private:
+  /// The rows and columns of a checkerboard: orthogonal unit directions in the plane.
+  struct InPlane {
+    Vec3 along{}, across{};
+  };
   /// Corners in local coordinates, as a fan.
   void draw(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3f> corners,
-            const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, RenderStatistics &statistics);
+            const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, const InPlane &squares,
+            RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
-  std::array<std::optional<Program>, 256> programs_;
+  std::array<std::optional<Program>, 512> programs_;
   std::optional<Program> outline_;
   Texture overlayColours_ = Texture::create();
   VertexArray array_ = VertexArray::create();

@@ -19,6 +19,7 @@
 #include "c3de/core/platform.h"
 #include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
+#include "c3de/manual/manual.h"
 #include "c3de/registry/settings_store.h"
 #include "check.h"
 
@@ -35,7 +36,8 @@ struct Options {
   std::string only, except, child, folder;
   std::uint64_t seed = 1;
   double timeout_s = 20.0;
-  std::filesystem::path json;
+  std::filesystem::path json, manual;
+  std::string manualVersion, manualDate;
   bool list = false, inProcess = false, quiet = false;
 };
 
@@ -226,6 +228,19 @@ int run(const Options &options) {
   return failures == 0 ? kGood : kBad;
 }
 
+int writeManual(const Options &options, const CLI::App &app) {
+  const manual::PageFacts facts{"c3de-validate",
+                                "c3de-validate",
+                                options.manualVersion,
+                                options.manualDate,
+                                {{"EXIT STATUS", {{"0", "No check fails."}, {"1", "A check fails."}, {"2", "Usage."}}}},
+                                {"c3de(1)", "c3de-new-plugin(1)"}};
+  const auto written = writeWholeFile(options.manual, manual::manPage(app, facts));
+  if (written) return kGood;
+  std::fprintf(stderr, "c3de-validate: error: %s\n", written.error().message.c_str());
+  return kBad;
+}
+
 }  // namespace
 
 int main(int argc, char **argv) {
@@ -252,6 +267,10 @@ int main(int argc, char **argv) {
   app.add_flag("-q,--quiet", options.quiet, "Only failures and warnings");
   app.add_option("--child", options.child)->group("");
   app.add_option("--folder", options.folder)->group("");
+  // For installation scripts: writes the man page.
+  app.add_option("--write-man", options.manual)->group("");
+  app.add_option("--man-version", options.manualVersion)->group("");
+  app.add_option("--man-date", options.manualDate)->group("");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError &error) {
@@ -259,5 +278,6 @@ int main(int argc, char **argv) {
     std::fprintf(stderr, "c3de-validate: error: %s; see c3de-validate --help\n", error.what());
     return kUsage;
   }
+  if (!options.manual.empty()) return writeManual(options, app);
   return options.child.empty() ? run(options) : child(options);
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The programs of docs/user/embed.md and docs/user/python.md, as they are, with an installed library."""
+"""The programs of docs/user/embed.md, docs/user/python.md and its tutorial, as they are, with an installed library."""
 
 import os
 import pathlib
@@ -118,6 +118,24 @@ class Documents(unittest.TestCase):
         self.assertEqual(ran.stdout.count("body.beam.youngs_modulus"), 2)
         self.assertIn("(16, 12, 10) int16", ran.stdout)
         self.assertTrue((self.folder / "work" / "deformed.nii.gz").exists())
+
+    def test_the_tutorial_in_python(self):
+        try:
+            import numpy  # noqa: F401
+        except ImportError:
+            self.skipTest("[C3DE-SKIPPED] numpy is not installed (Debian package python3-numpy)")
+        programs = blocks("tutorials/python.md", "python")
+        self.assertEqual(len(programs), 4)
+        program = self.folder / "tutorial.py"
+        program.write_text("\n".join(programs))
+        ran = self.run_in_folder(sys.executable, program)
+        self.assertEqual((ran.returncode, ran.stderr), (0, ""))
+        points, mass, mean, largest, stiffer = (float(one) for one in re.findall(
+            r"(\d+) points, ([\d.]+) kg\nmean ([\d.]+) mm, largest ([\d.]+) mm\n\(112, 80, 56\) int16\nstiffer: mean ([\d.]+) mm\n", ran.stdout)[0])
+        self.assertAlmostEqual(points, 2000, delta=100)
+        self.assertAlmostEqual(mass, 1.1, delta=0.1)
+        self.assertTrue(stiffer < 0.9 * mean < largest, ran.stdout)
+        self.assertTrue((self.folder / "work" / "standing.nii.gz").exists())
 
 
 if __name__ == "__main__":

@@ -69,6 +69,12 @@ class Gallery(unittest.TestCase):
         self.assertLess(rows[-1][2], 0.6 * rows[0][2])
         self.assertLess(max(error for _, _, error in rows), 0.5)  # as on the page
 
+    def test_living_scan(self):
+        (moved, left, back, up), = self.ran("living_scan")
+        self.assertAlmostEqual(moved, 12.5, delta=0.3)  # as on the page
+        self.assertAlmostEqual((left ** 2 + back ** 2 + up ** 2) ** 0.5, moved, delta=0.2)
+        self.assertTrue(back < -5.0 > up)
+
     @needs_nibabel
     def test_pulled_labels(self):
         (moved, force), (largest,) = self.ran("pulled_labels")

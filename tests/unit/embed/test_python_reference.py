@@ -56,8 +56,12 @@ class Reference(unittest.TestCase):
         self.assertEqual(sorted(one.name for one in self.folder.iterdir()), ["site"])
 
     def test_it_has_every_page_and_every_name(self):
-        for page in SOURCE.glob("docs/*/*.md"):
+        for page in [*SOURCE.glob("docs/*/*.md"), *SOURCE.glob("docs/user/tutorials/*.md")]:
             self.assertTrue((self.site / page.relative_to(SOURCE / "docs").with_suffix(".html")).exists(), page)
+        parameters = self.page("reference/parameters.html")
+        for key in "body.NAME.material.youngs_modulus", "solver.damping", "world.gravity":
+            self.assertIn(key, parameters)
+        self.assertIn('"title": "Report of c3de run"', self.page("report.schema.json"))
         python = self.page("reference/python.html")
         for name in c3de.__all__:
             self.assertIn('id="c3de.%s"' % name, python)

@@ -304,3 +304,21 @@ TEST_CASE("Supports and loads that are not possible are refused with the reason"
   late.ramp = 1.0;
   refused(late, "accepted: supports without common surface");
 }
+
+TEST_CASE("A load wakes a body that sleeps, and a body without it returns", "[conditions]") {
+  Host host;
+  const Beam beam(host, "implicit", {}, {});
+  beam.set(1, beam.condition(ConditionKind::fix, 0, 0.0));
+  const auto isAsleep = [&] { return reportOf(*beam.sim, beam.self)["bodies"][0]["asleep"].get<bool>(); };
+  for (int i = 0; i < 50 && !isAsleep(); ++i) beam.step(20);
+  REQUIRE(isAsleep());
+  SurfaceCondition force = beam.condition(ConditionKind::force, 0, 100.0);
+  force.vector = Vec3(0.0, 0.0, -0.01);
+  beam.set(2, force);
+  beam.step(200);
+  const double bent = beam.tip()[2];
+  CHECK(bent < -1e-4);
+  beam.set(2, std::nullopt);
+  beam.step(300);
+  CHECK(std::abs(beam.tip()[2]) < 0.05 * std::abs(bent));
+}

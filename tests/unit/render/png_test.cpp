@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "c3de/render/picture_file.h"
 #include "c3de/render/png_file.h"
 #include "c3de/render/renderer.h"
 #include "support/catch.h"
@@ -15,6 +16,7 @@
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
 #include <stb_image.h>
 
 using namespace c3de;
@@ -119,4 +121,36 @@ TEST_CASE("A PNG is read again, and a damaged one is refused by name") {
   CHECK_FALSE(readPng(file));
   CHECK_FALSE(readPng(file.parent_path() / "absent.png"));
   CHECK_FALSE(readPng(file.parent_path()));
+}
+
+TEST_CASE("A written JPEG has the colours of the picture, and an unknown extension is refused") {
+  // Smooth, with a different slope for each colour; an edge is not what the format keeps.
+  Image image{64, 48, {}};
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (const int value : {3 * x, 5 * y, 255 - 2 * x - y}) image.rgb.push_back(static_cast<std::uint8_t>(value));
+  const std::string path = outputFile("colours.jpeg");
+  REQUIRE(writePicture(path, image));
+  int width = 0, height = 0, channels = 0;
+  stbi_uc *read = stbi_load(path.c_str(), &width, &height, &channels, 3);
+  REQUIRE(read != nullptr);
+  CHECK(width == image.width);
+  CHECK(height == image.height);
+  int largest = 0;
+  for (std::size_t i = 0; i < image.rgb.size(); ++i)
+    largest = std::max(largest, std::abs(static_cast<int>(read[i]) - static_cast<int>(image.rgb[i])));
+  stbi_image_free(read);
+  // Of 255; quality 92 quantises smooth colours to about 2.
+  CHECK(largest <= 8);
+
+  REQUIRE(writePicture(outputFile("picture.PNG"), image));
+  CHECK(readPng(outputFile("picture.PNG"))->rgb == image.rgb);
+  CHECK(isPictureFile("a.JPG"));
+  CHECK_FALSE(isPictureFile("a.gif"));
+  const auto refused = writePicture(outputFile("a.gif"), image);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::usage);
+  CHECK_THAT(refused.error().message, Contains("accepted: .png, .jpg, .jpeg, .ppm"));
+  CHECK_FALSE(encodeJpeg(image, 0));
+  CHECK_FALSE(encodeJpeg({2, 2, {1, 2, 3}}, 90));
 }

@@ -258,6 +258,31 @@ TEST_CASE("The mask of a selection is stored, kept when another program saves th
   CHECK_THAT(maskOfSelection(saved, "a.c3de").error().message, Contains("is missing"));
 }
 
+TEST_CASE("The second scan of a session is kept when another program saves it, with the file that was found") {
+  const fs::path folder = testOutputFolder(), elsewhere = folder / "elsewhere";
+  fs::create_directories(elsewhere);
+  std::ofstream(elsewhere / "follow-up.nrrd") << "voxels";
+  SessionFile saved;
+  saved.view.comparison =
+      SavedComparison{"old/follow-up.nrrd", "", 0, {1, 2, 3}, {4, 5, 6}, {7, 8, 9}, false, true, 0.25, 15.0, {}, {}};
+  const auto reference = referenceTo(elsewhere / "follow-up.nrrd", folder / "old");
+  REQUIRE(reference);
+  FoundFile found{{"old/follow-up.nrrd", reference->sha256, reference->bytes, false},
+                  elsewhere / "follow-up.nrrd",
+                  FoundFile::State::same,
+                  nullptr};
+  saved.files = {found.file};
+  SessionFile again;
+  FileReferences references;
+  REQUIRE(keepRest(saved, {found}, folder, references, Embedding::extracted, again));
+  REQUIRE(again.view.comparison);
+  CHECK(again.view.comparison->image == "elsewhere/follow-up.nrrd");
+  REQUIRE(again.files.size() == 1);
+  CHECK(again.files[0].path == "elsewhere/follow-up.nrrd");
+  again.view.comparison->image = saved.view.comparison->image;
+  CHECK(again.view.comparison == saved.view.comparison);
+}
+
 TEST_CASE("Damaged voxels of a session are refused") {
   const std::string good = maskBytes(cube(), {});
   REQUIRE(maskOfBytes(good));

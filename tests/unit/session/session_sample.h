@@ -50,6 +50,18 @@ inline session::SessionFile fullSession() {
   file.view.window = 350.0;
   file.view.level = -1.0 / 3.0;
   file.view.camera = {{1.0, 2.0, 3.0}, 0.6, -1.2, 512.25};
+  file.view.comparison = session::SavedComparison{"follow-up.nrrd",
+                                                  "1.2.840.8",
+                                                  1,
+                                                  {1.25, -2.5, 1.0 / 3.0},
+                                                  {10, -20, 170},
+                                                  {4, 5, 6},
+                                                  true,
+                                                  true,
+                                                  0.3,
+                                                  12.5,
+                                                  80.0,
+                                                  40.0};
   file.view.selection = {"selection.mask", {5, 65535}, "kidney left", -12.5, 300.0};
   file.members["selection.mask"] = "voxels";
   file.stateHash = 0xfedcba9876543210ull;

@@ -77,6 +77,40 @@ TEST_CASE("vectors are shown component by component") {
   CHECK(declaredValue(corner, shown).vec == at.vec);
 }
 
+TEST_CASE("the user's units apply to lengths, pressures and forces, and every number comes back as it was") {
+  const DisplayUnits units{DisplayUnits::Length::cm, DisplayUnits::Pressure::mmHg, DisplayUnits::Force::mN};
+  const ParameterDecl stiffness = declaration("Pa", 100.0, 1e6), low = declaration("Pa", 0.0, 5.0),
+                      length = declaration("m", 0.001, 0.05), force = declaration("N", 0.0, 10.0);
+  CHECK(shownDeclaration(stiffness, units).unit == "mmHg");
+  CHECK(shownDeclaration(low, units).unit == "mmHg");
+  CHECK(shownDeclaration(length, units).unit == "cm");
+  CHECK(shownDeclaration(length, units).softMax == 5.0);
+  CHECK(shownDeclaration(force, units).unit == "mN");
+  CHECK_THAT(shownValue(stiffness, number(stiffness, 13332.2), units).num, WithinRel(100.0, 1e-12));
+  CHECK_THAT(declaredValue(stiffness, number(stiffness, 100.0), units).num, WithinRel(13332.2, 1e-12));
+  CHECK(shownValue(length, number(length, 0.0085), units).num == 0.85);
+  CHECK(declaredValue(length, number(length, 2.5), units).num == 0.025);
+  CHECK(declaredValue(force, number(force, 250.0), units).num == 0.25);
+  const DisplayUnits pascal{DisplayUnits::Length::mm, DisplayUnits::Pressure::Pa, DisplayUnits::Force::N};
+  CHECK(shownDeclaration(stiffness, pascal).unit == "Pa");
+  CHECK(shownDeclaration(declaration("Pa/m", 0.0, 1e6), units).unit == "Pa/m");
+}
+
+TEST_CASE("a text with a number and its unit is shown in the user's unit with as many digits") {
+  const DisplayUnits units{DisplayUnits::Length::cm, DisplayUnits::Pressure::mmHg, DisplayUnits::Force::mN};
+  CHECK(shownText(units, "12.3 mm") == "1.23 cm");
+  CHECK(shownText(units, "0.25 N") == "250 mN");
+  CHECK(shownText(units, "0.2537 N") == "253.7 mN");
+  CHECK(shownText(units, "-4 mm") == "-0.4 cm");
+  CHECK(shownText(units, "13.3 kPa") == "99.8 mmHg");
+  CHECK(shownText(units, "1e-05 N") == "0.01 mN");
+  for (const char *text : {"–", "12.3 mm²", "7 s", "about 3 mm", "mm", "", "5", "3 mm and 4 mm"})
+    CHECK(shownText(units, text) == text);
+  CHECK(shownText({}, "12.3 mm") == "12.3 mm");
+  const DisplayUnits pascal{DisplayUnits::Length::mm, DisplayUnits::Pressure::Pa, DisplayUnits::Force::N};
+  CHECK(shownText(pascal, "1.25 kPa") == "1250 Pa");
+}
+
 TEST_CASE("a typed number may have another unit of the same quantity") {
   CHECK(numberInUnit("9", "kPa") == 9.0);
   CHECK(numberInUnit("9 kPa", "kPa") == 9.0);
@@ -87,6 +121,9 @@ TEST_CASE("a typed number may have another unit of the same quantity") {
   CHECK(numberInUnit("5 cm", "mm") == 50.0);
   CHECK(numberInUnit("5 mm", "mm") == 5.0);
   CHECK(numberInUnit("2 l", "ml") == 2000.0);
+  CHECK(numberInUnit("5 mm", "cm") == 0.5);
+  CHECK(numberInUnit("0.25 N", "mN") == 250.0);
+  CHECK_THAT(numberInUnit("13.3322 kPa", "mmHg").value_or(0.0), WithinRel(100.0, 1e-12));
   CHECK_FALSE(numberInUnit("5 kg", "mm"));
   CHECK_FALSE(numberInUnit("Pa", "kPa"));
   CHECK_FALSE(numberInUnit("5 N", "kPa"));

@@ -122,4 +122,12 @@ TEST_CASE("Curves are bounded, and a reset discards what came after it") {
   CHECK(list.curvesCsv() ==
         "time [s],a displacement [mm],b displacement [mm],c displacement [mm],width [mm],corner [degrees]\n"
         "0,0,0,,30,\n0.5,0,1,,31,\n");
+  CHECK(list.row("width")->label() == "30.0 → 31.0 mm");
+  list.setUnits({DisplayUnits::Length::cm, {}, {}});
+  CHECK(list.row("width")->label() == "3.00 → 3.10 cm");
+  CHECK(list.row("width")->changeText() == "+0.10");
+  CHECK(list.curvesCsv() ==
+        "time [s],a displacement [cm],b displacement [cm],c displacement [cm],width [cm],corner [degrees]\n"
+        "0,0,0,,3,\n0.5,0,0.1,,3.1,\n");
+  CHECK_THAT(list.tableCsv(), Contains("width,distance,cm,3,3.1,0.1,") && Contains("error now [cm]"));
 }

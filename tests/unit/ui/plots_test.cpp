@@ -117,6 +117,14 @@ TEST_CASE("The table has the shown curves, with units, quotes and empty cells") 
   CHECK(plots.csv() == "time [s],\"finger, force [N]\",length [mm]\n0,1.5,\n0.25,,42\n");
   plots.show("force", false);
   CHECK(plots.csv() == "time [s],length [mm]\n0.25,42\n");
+  plots.show("force", true);
+  plots.setUnits({DisplayUnits::Length::cm, DisplayUnits::Pressure::kPa, DisplayUnits::Force::mN});
+  CHECK(plots.csv() == "time [s],\"finger, force [mN]\",length [cm]\n0,1500,\n0.25,,4.2\n");
+  plots.add(0.5, {force(2.0)});
+  CHECK(plots.series().front().last.value == 2000.0);
+  plots.setUnits({});
+  CHECK(plots.csv() == "time [s],\"finger, force [N]\",length [mm]\n0,1.5,\n0.25,,42\n0.5,2,\n");
+  plots.show("force", false);
   plots.clear();
   CHECK(plots.csv() == "time [s]\n");
   plots.add(0.0, {force(1.0)});

@@ -184,6 +184,11 @@ Handler declareInfo(CLI::App &app, CommandLine &line) {
   app.add_flag("--json", line.json, "One object for one file, a list for several");
   addUnit(app, line);
   addSessionOptions(app, line);
+  app.footer(
+      "Examples:\n"
+      "    c3de info scan.nii.gz labels.nii.gz\n"
+      "    c3de info SCENE.toml --json\n"
+      "    c3de info FILE.c3de --search FOLDER");
   return [arguments, &line] { return showInfo(*arguments, line); };
 }
 

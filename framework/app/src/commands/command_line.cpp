@@ -69,25 +69,43 @@ CLI::Option *addUnit(CLI::App &app, CommandLine &line) {
       ->type_name("UNIT");
 }
 
+CLI::Validator listOfChoices(const std::string &choices) {
+  return CLI::Validator([](const std::string &) { return std::string(); }, "{" + choices + "}", "");
+}
+
 void addSessionOptions(CLI::App &app, CommandLine &line) {
+  constexpr const char *kPlugins = "Plugins", *kGeneral = "General";
   app.add_option("--plugin", line.plugins, "Load this plugin; ends with 4 if it is refused (repeatable)")
       ->type_name("PATH")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->group(kPlugins);
   app.add_option("--plugin-param", line.pluginParameters, "Set a parameter of a plugin, PLUGIN:ID=VALUE (repeatable)")
       ->type_name("PLUGIN:ID=VALUE")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->group(kPlugins);
   app.add_option("--plugin-path", line.pluginPaths, "Look for plugins in this folder, too (repeatable)")
       ->type_name("DIR")
-      ->allow_extra_args(false);
-  app.add_flag("--no-plugins", line.noPlugins, "Look for plugins in no folder; those of --plugin are loaded");
+      ->allow_extra_args(false)
+      ->group(kPlugins);
+  app.add_flag("--no-plugins", line.noPlugins, "Do not search folders for plugins; --plugin still loads")
+      ->group(kPlugins);
   app.add_option("--without", line.withoutPlugins, "Leave out the plugin with this id or file name (repeatable)")
       ->type_name("ID")
-      ->allow_extra_args(false);
-  app.add_flag("--safe-mode", line.safeMode, "Load only the plugins that came with the program")->excludes("--plugin");
+      ->allow_extra_args(false)
+      ->group(kPlugins);
+  app.add_flag("--safe-mode", line.safeMode, "Load only the plugins that came with the program")
+      ->excludes("--plugin")
+      ->group(kPlugins);
   app.add_flag("--trust-plugins", line.trustPlugins,
-               "Do not try the first use of a plugin in a process of its own before it is loaded");
-  addCount(app, "--threads", line.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
-  app.add_flag("-v,--verbose", line.verbose, "Verbose output");
+               "Do not try the first use of a plugin in a process of its own before it is loaded")
+      ->group(kPlugins);
+  addCount(app, "--threads", line.threads, 1, 1024, "Threads that compute; default: as many as the machine has")
+      ->group(kGeneral);
+  CLI::Option *quiet = app.add_flag("-q,--quiet", line.quiet, "Print errors only")->group(kGeneral);
+  app.add_flag("-v,--verbose", line.verbose,
+               "Print details as well: plugins, files, times of the preparation, progress of the steps")
+      ->excludes(quiet)
+      ->group(kGeneral);
 }
 
 }  // namespace c3de::app

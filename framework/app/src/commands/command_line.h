@@ -29,7 +29,7 @@ struct CommandLine {
   std::vector<std::string> pluginParameters{};  ///< "PLUGIN:ID=VALUE" each
   std::vector<std::string> withoutPlugins{};    ///< ids or files
   bool safeMode = false, trustPlugins = false;
-  bool noPlugins = false, json = false, version = false, verbose = false;
+  bool noPlugins = false, json = false, version = false, verbose = false, quiet = false;
   std::optional<unsigned> threads{};
   std::optional<PictureSize> size{};
   std::string unit{};  ///< of meshes
@@ -80,6 +80,9 @@ CLI::Option *addFiles(CLI::App &app, const std::string &name, std::vector<std::f
                       const std::string &type, const std::string &help);
 CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help);
 CLI::Option *addUnit(CLI::App &app, CommandLine &line);
+/// Plugins, threads, -q and -v.
 void addSessionOptions(CLI::App &app, CommandLine &line);
+/// Makes --help, man pages and completion list the accepted values; the caller checks them.
+[[nodiscard]] CLI::Validator listOfChoices(const std::string &choices);
 
 }  // namespace c3de::app

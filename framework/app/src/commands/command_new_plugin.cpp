@@ -151,9 +151,12 @@ int newPlugin(const NewPlugin &wanted) {
 Handler declareNewPlugin(CLI::App &app, CommandLine &) {
   const auto wanted = std::make_shared<NewPlugin>();
   app.add_option("NAME", wanted->name, "Of its folder, target and file: lower-case letters, digits and _")->required();
-  app.add_option("--language", wanted->language, "c or c++ (default c++)")->type_name("LANGUAGE");
+  app.add_option("--language", wanted->language, "c or c++ (default c++)")
+      ->type_name("LANGUAGE")
+      ->check(listOfChoices("c,c++"));
   app.add_option("--kind", wanted->kind, "panel (default), tool, force-field, simulator, material-law or mesh-format")
-      ->type_name("KIND");
+      ->type_name("KIND")
+      ->check(listOfChoices("panel,tool,force-field,simulator,material-law,mesh-format"));
   app.add_option("--folder", wanted->folder, "Where the folder NAME is made (default: here)")->type_name("DIR");
   return [wanted] { return newPlugin(*wanted); };
 }

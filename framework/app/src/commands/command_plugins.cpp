@@ -213,6 +213,10 @@ Handler declarePlugins(CLI::App &app, CommandLine &line) {
   const auto isTrial = std::make_shared<bool>(false);
   app.add_flag("--trial", *isTrial, "Keep settings of plugins in memory alone, as where a first use is tried");
   addSessionOptions(app, line);
+  app.footer(
+      "Examples:\n"
+      "    c3de plugins --plugin FILE.so       # test whether it loads\n"
+      "    c3de plugins --off org.c3de.magnet  # from the next start on");
   return [&line, on, off, isAsInWindow, isTrial] {
     const SessionOptions options = line.sessionOptions();
     if (*isTrial) registry::keepSettingsInMemory();

@@ -17,8 +17,8 @@ int printPythonPath() {
   std::error_code code;
   if (!std::filesystem::exists(folder / "c3de" / "__init__.py", code))
     return reportError({ErrorCode::input, pathText(folder / "c3de") +
-                                              ": the Python package is not there; cmake --install BUILD --component "
-                                              "embed installs it"});
+                                              ": the Python package is not there; the Debian package python3-c3de or "
+                                              "cmake --install BUILD --component embed installs it"});
   printOut(pathText(folder) + "\n");
   return kDone;
 }

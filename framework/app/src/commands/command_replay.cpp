@@ -2,7 +2,6 @@
 // `c3de replay`: its options.
 #include <memory>
 
-#include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -34,10 +33,14 @@ Handler declareReplay(CLI::App &app, CommandLine &line) {
   addFile(app, "--save-session", options->saveSession, "FILE.c3de",
           "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
   addSearch(app, options->search);
-  app.add_flag("-q,--quiet", options->quiet, "Print errors only");
   addSessionOptions(app, line);
+  app.footer(
+      "Examples:\n"
+      "    c3de run SCENE.toml --record day.c3dr --until 5\n"
+      "    c3de replay day.c3dr --check                        # the same bits again?\n"
+      "    c3de replay day.c3dr --export day.pvd --from 2      # for ParaView");
   return [options, &line]() -> int {
-    if (options->quiet) setLogThreshold(LogLevel::error);
+    options->quiet = line.quiet;
     if (options->from_s && options->until_s && *options->from_s > *options->until_s)
       return reportError({ErrorCode::usage, "--from " + formatNumber(*options->from_s) + ": accepted: up to --until " +
                                                 formatNumber(*options->until_s)});

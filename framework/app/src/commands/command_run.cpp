@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // `c3de run`: its options.
 #include <memory>
+#include <utility>
+#include <vector>
 
-#include "c3de/core/log.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
 #include "commands/exit_code.h"
 #include "commands/run_scene.h"
+#include "commands/standard_streams.h"
 #include "commands/window_program.h"
 
 namespace c3de::app {
@@ -39,7 +41,7 @@ Expected<void> readCamera(const RunArguments &arguments, RunOptions &options) {
 
 int run(const RunArguments &arguments, const CommandLine &line) {
   RunOptions options = arguments.options;
-  if (options.quiet) setLogThreshold(LogLevel::error);
+  options.quiet = line.quiet;
   if (!options.screenshot.empty() && !line.openWindow && hasWindowProgram())
     return continueInWindowProgram(line.argc, line.argv);
   options.session = line.sessionOptions();
@@ -61,7 +63,19 @@ int run(const RunArguments &arguments, const CommandLine &line) {
     if (options.screenshot.empty()) return reportError({ErrorCode::usage, "--overlay is for --screenshot"});
     options.overlay = pictureOverlayOf(arguments.overlay);
   }
-  return runScene(options);
+  if (options.scene == kStandardStream)
+    if (const auto read = readSceneFromInput(options); !read) return reportError(read.error());
+  StandardOutputFile output;
+  if (const auto taken = output.take({{"--report", &options.report},
+                                      {"--probes", &options.probes},
+                                      {"--energies", &options.energies},
+                                      {"--tissues", &options.tissues},
+                                      {"--sampled", &options.sampled}});
+      !taken)
+    return reportError(taken.error());
+  const int exitCode = runScene(options);
+  if (const auto printed = output.print(); !printed) return reportError(printed.error());
+  return exitCode;
 }
 
 /// Material points and landmarks.
@@ -85,13 +99,14 @@ void declarePoints(CLI::App &app, RunOptions &options) {
 void addExports(CLI::App &app, CommandLine &line, RunArguments &arguments) {
   RunOptions &options = arguments.options;
   addFile(app, "--screenshot", options.screenshot, "FILE.png",
-          "Draw the end state, as PNG; with the extension .ppm as uncompressed PPM");
+          "Draw the end state as PNG; with the extension .jpg as JPEG, with .ppm as uncompressed PPM");
   addSize(app, line, "Size of the screenshot; default: 1280x720");
   app.add_option(
          "--view", arguments.view,
          "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
          "image, else 3d")
-      ->type_name("VIEW");
+      ->type_name("VIEW")
+      ->check(listOfChoices("3d,axial,sagittal,coronal,four-up"));
   addParsed(app, "--camera", arguments.angles,
             "Where the 3D view is seen from, in degrees: azimuth about the up axis (0: from +z, or from -y where z is "
             "up; 90: from +x), elevation; default: 34,20",
@@ -120,12 +135,38 @@ void addExports(CLI::App &app, CommandLine &line, RunArguments &arguments) {
           "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
 }
 
+constexpr const char *kExamples =
+    "Examples:\n"
+    "    c3de run SCENE.toml --until 2 --report r.json --screenshot end.png\n"
+    "    c3de run SCENE.toml --set body.organ.material.youngs_modulus=2e4 --probes p.csv\n"
+    "    c3de run organ.stl --unit mm --until 0.5            # a mesh as one falling body\n"
+    "    c3de run - --steps 100 --report - -q <SCENE.toml    # as a filter\n"
+    "    c3de run SCENE.toml --save-session day.c3de && c3de run day.c3de --until 4\n"
+    "What --set accepts: c3de parameters. Tissues: c3de materials.";
+
+/// The help has many options; titles separate them.
+void groupOptions(CLI::App &app) {
+  const std::vector<std::pair<const char *, std::vector<const char *>>> groups{
+      {"Simulation", {"--until", "--steps", "--time-limit", "--set", "--unit", "--from-state", "--verify", "--seed"}},
+      {"Results",
+       {"--report", "--probes", "--probes-every", "--energies", "--tissues", "--sample-points", "--sampled",
+        "--landmarks", "--target-landmarks", "--export-landmarks"}},
+      {"Picture", {"--screenshot", "--size", "--view", "--camera", "--up", "--overlay"}},
+      {"Export",
+       {"--export", "--export-every", "--export-image", "--export-labels", "--export-displacement",
+        "--export-surface"}},
+      {"States, sessions and recordings",
+       {"--save-state", "--save-session", "--search", "--record", "--record-hash-every", "--embed"}}};
+  for (const auto &[title, names] : groups)
+    for (const char *name : names) app.get_option(name)->group(title);
+}
+
 Handler declareRun(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<RunArguments>();
   RunOptions &options = arguments->options;
   app.add_option_function<std::string>(
          "SCENE", [&options](const std::string &text) { options.scene = text; },
-         "A scene (.toml), a session (.c3de) to go on from, or a mesh as one body")
+         "A scene (.toml), a session (.c3de) to continue, or a mesh as one body; - reads a scene from standard input")
       ->required();
   CLI::Option *until = addSeconds(app, "--until", options.until_s, 0.0,
                                   "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)");
@@ -136,7 +177,8 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
                  "Replace a value of the scene, for example body.liver.material.youngs_modulus=6e3 (repeatable)")
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
-  addFile(app, "--report", options.report, "FILE.json", "Write the report as JSON");
+  addFile(app, "--report", options.report, "FILE.json",
+          "Write the report as JSON; - prints to standard output, as for every table");
   addFile(app, "--probes", options.probes, "FILE.csv", "Write the probes over time as CSV");
   addCount(app, "--probes-every", options.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
       ->default_str("1");
@@ -173,9 +215,10 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
            "Kept in the report; nothing in this version is random");
   // For commands that start runs: no run stays behind after a signal that cannot be caught.
   app.add_flag_function("--end-with-parent", [](std::int64_t) { endWithParent(); })->group("");
-  app.add_flag("-q,--quiet", options.quiet, "Print errors only");
   addUnit(app, line);
   addSessionOptions(app, line);
+  groupOptions(app);
+  app.footer(kExamples);
   return [arguments, &line] { return run(*arguments, line); };
 }
 

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 
-#include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/session/interrupt.h"
@@ -24,7 +23,7 @@ namespace {
 
 struct StudyArguments {
   std::filesystem::path study, folder, earlier;
-  bool resume = false, quiet = false;
+  bool resume = false;
 };
 
 /// The runs load the plugins specified for this command.
@@ -73,7 +72,6 @@ void printSummary(const study::Study &study, const study::Plan &plan, const stud
 
 int run(const StudyArguments &arguments, const CommandLine &line) {
   if (line.ranks == nullptr && isUnderMpi()) return continueInMpiProgram(line.argc, line.argv);
-  if (arguments.quiet) setLogThreshold(LogLevel::error);
   watchForInterrupt();
   const auto study = study::loadStudy(arguments.study);
   if (!study) return reportError(study.error());
@@ -101,13 +99,13 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   const std::unique_ptr<study::Workers> workers =
       line.ranks != nullptr ? line.ranks->workers(study->jobs.value_or(line.ranks->count()))
                             : std::make_unique<study::LocalWorkers>(study::jobsFor(*study, *plan));
-  const study::StudyOptions options{pluginOptions(line, *study), arguments.quiet};
+  const study::StudyOptions options{pluginOptions(line, *study), line.quiet};
   auto outcome = study::runStudy(*study, *plan, *program, *folder, options, *workers);
   if (!outcome) return reportError(outcome.error());
   outcome->earlier = std::move(earlier);
   if (const auto written = study::writeOutputs(*study, *plan, *program, *outcome, arguments.folder); !written)
     return reportError(written.error());
-  if (!arguments.quiet) printSummary(*study, *plan, *outcome, arguments.folder);
+  if (!line.quiet) printSummary(*study, *plan, *outcome, arguments.folder);
   ExitCode exitCode = kDone;
   for (std::size_t c = 0; c < study->cases.size(); ++c)
     if (const std::string &error = outcome->cases[c].error; !error.empty())
@@ -125,8 +123,12 @@ Handler declareStudy(CLI::App &app, CommandLine &line) {
   addFile(app, "--compare", arguments->earlier, "FOLDER",
           "Compare with an earlier run of this study in another folder: by an earlier build, on another machine");
   app.add_flag("--resume", arguments->resume, "Resume the study in the folder; completed points are not run again");
-  app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
   addSessionOptions(app, line);
+  app.footer(
+      "Examples:\n"
+      "    c3de study STUDY.toml --out FOLDER\n"
+      "    c3de study STUDY.toml --out FOLDER --resume          # what is missing\n"
+      "    mpirun -n 8 c3de study STUDY.toml --out FOLDER");
   return [arguments, &line] { return run(*arguments, line); };
 }
 

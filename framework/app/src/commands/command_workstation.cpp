@@ -26,7 +26,8 @@ tl::unexpected<Error> notThere(const std::string &file) {
   if (file.find_first_of("./\\") != std::string::npos)
     return fail(ErrorCode::input, file + ": no such file; accepted: meshes, images and scenes (.toml)");
   std::vector<std::string> names;
-  for (const Command *command : commands()) names.emplace_back(command->name);
+  for (const Command *command : commands())
+    if (!command->isHidden) names.emplace_back(command->name);
   const std::string nearest = nearestName(file, names);
   return fail(ErrorCode::usage, "'" + file + "' is neither a command nor a file; " +
                                     (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
@@ -74,7 +75,7 @@ Handler declareWorkstation(CLI::App &app, CommandLine &line) {
                  "Meshes, scenes (.toml), sessions (.c3de) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; "
                  "images after the "
                  "first are label maps");
-  app.add_flag("--version", line.version, "Print product, ABI and (with --json) services");
+  app.add_flag("-V,--version", line.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", line.json, "With --version: as JSON");
   app.add_flag("--play", options->play, "Play as soon as the scene is there; without FILES the default scene");
   app.add_flag("--untitled", options->isUntitled,
@@ -85,6 +86,13 @@ Handler declareWorkstation(CLI::App &app, CommandLine &line) {
           "Mirror the program's state to this file as JSON");
   addUnit(app, line);
   addSessionOptions(app, line);
+  app.footer(
+      "Examples:\n"
+      "    c3de scan.nii.gz labels.nii.gz                  # a scan with its label map\n"
+      "    c3de --play                                     # the default scene\n"
+      "    c3de run SCENE.toml --until 2 --report r.json   # without a window\n"
+      "    c3de help run                                   # a command; also: help environment, help exit-codes\n"
+      "Man pages: c3de(1), c3de-run(1)");
   return [options, &line] { return open(*options, line); };
 }
 

@@ -4,8 +4,10 @@
 namespace c3de::app {
 namespace {
 
-constexpr const Command *kCommands[]{&kRunCommand,       &kReplayCommand, &kInfoCommand,      &kPluginsCommand,
-                                     &kNewPluginCommand, &kStudyCommand,  &kPythonPathCommand};
+constexpr const Command *kCommands[]{&kRunCommand,        &kReplayCommand,     &kInfoCommand,   &kMaterialsCommand,
+                                     &kParametersCommand, &kPluginsCommand,    &kStudyCommand,  &kNewPluginCommand,
+                                     &kPythonPathCommand, &kCompletionCommand, &kManualCommand, &kHelpCommand,
+                                     &kVersionCommand};
 
 }  // namespace
 
@@ -14,7 +16,7 @@ std::span<const Command *const> commands() { return kCommands; }
 std::string availableCommands(std::string_view last) {
   std::string text, pending;
   for (const Command *command : commands()) {
-    if (!command->declare) continue;
+    if (!command->declare || command->isHidden) continue;
     if (!pending.empty()) text += (text.empty() ? "" : ", ") + pending;
     pending = command->name;
   }

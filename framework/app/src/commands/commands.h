@@ -25,10 +25,12 @@ struct Command {
   /// Adds the options to `app`. The values they are parsed into belong to the handler, or are in `line`, which outlives
   /// it. Null: a name reserved for a later version.
   Handler (*declare)(CLI::App &app, CommandLine &line);
+  bool isHidden = false;  ///< not in the help: for installation scripts
 };
 
-extern const Command kRunCommand, kReplayCommand, kInfoCommand, kPluginsCommand, kNewPluginCommand, kStudyCommand,
-    kPythonPathCommand;
+extern const Command kRunCommand, kReplayCommand, kInfoCommand, kMaterialsCommand, kParametersCommand, kPluginsCommand,
+    kNewPluginCommand, kStudyCommand, kPythonPathCommand, kCompletionCommand, kManualCommand, kHelpCommand,
+    kVersionCommand;
 
 /// The program without a sub-command: opens a window.
 [[nodiscard]] Handler declareWorkstation(CLI::App &app, CommandLine &line);

@@ -35,6 +35,7 @@
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
+#include "commands/run_details.h"
 #include "commands/run_landmarks.h"
 #include "commands/standard_output.h"
 #include "run_picture.h"
@@ -444,10 +445,12 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!beginning) return tl::unexpected(beginning.error());
   const auto &[saved, files, replay, source] = *beginning;
   const SharedScene scene = std::get<SharedScene>(source.front());
+  log(LogLevel::debug, describe(*scene, options));
   const auto view = checkBeforeBuilding(options, *scene, session.meshFormats());
   if (!view) return tl::unexpected(view.error());
   const auto chosen = session.chooseSimulator(scene->simulatorClass);
   if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
+  log(LogLevel::debug, fmt::format("simulated by {}, {} threads", chosen->classId, session.pool().threadCount()));
   if (replay)
     if (const auto same = replay->checkSimulator(*chosen); !same) return tl::unexpected(same.error());
   auto created = session.createSimulator(chosen->classId);
@@ -469,6 +472,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   auto overBefore = buildBodies(options, limits, session, simulator.get(), source, sources, prepared);
   if (!overBefore) return tl::unexpected(overBefore.error());
   if (!overBefore->empty()) return Simulated{{}, std::move(*overBefore)};
+  log(LogLevel::debug, describe(prepared.took));
 
   if (const auto good = checkOverlay(options, *table, simulator.get()); !good) return tl::unexpected(good.error());
   if (const auto restored = restoreState(options, session, simulator.get(), *chosen, saved ? &*saved : nullptr);
@@ -525,6 +529,7 @@ int runScene(const RunOptions &options) {
     if (const auto writable = checkSimulationExport(options.exportList); !writable)
       return reportError(writable.error());
   if (const auto good = checkFiles(options, nullptr); !good) return reportError(good.error());
+  if (const auto good = checkPictureFormat(options.screenshot); !good) return reportError(good.error());
 
   std::unique_ptr<RunPicture> picture;
   SessionOptions sessionOptions = options.session;
@@ -552,9 +557,9 @@ int runScene(const RunOptions &options) {
   if (!options.quiet) {
     printSummary(*facts);
     for (const std::string &line : measurementLines(facts->measurements)) printOut("  " + line + "\n");
-    for (const std::string &line : facts->accuracy) std::printf("  %s\n", line.c_str());
-    for (const std::string &notice : facts->prepared.notices) std::printf("  note: %s\n", notice.c_str());
-    for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());
+    for (const std::string &line : facts->accuracy) printOut("  " + line + "\n");
+    for (const std::string &notice : facts->prepared.notices) printOut("  note: " + notice + "\n");
+    for (const std::string &notice : facts->notices) printOut("  note: " + notice + "\n");
   }
   const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"
                                                      : "; the last good state is in " + outputs.written();

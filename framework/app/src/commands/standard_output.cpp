@@ -16,9 +16,21 @@ int &outputError() {
   return error;
 }
 
+bool &isReserved() {
+  static bool reserved = false;
+  return reserved;
+}
+
 }  // namespace
 
+void reserveStandardOutput() { isReserved() = true; }
+
 void printOut(std::string_view text) {
+  if (!isReserved()) return printResult(text);
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
+void printResult(std::string_view text) {
   if (outputError() != 0) return;
   errno = 0;
   const bool isWritten = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;

@@ -16,7 +16,7 @@ void BodyCreationController::onCreated(const BodyCreation::Result &result) {
   images.onBodiesReady(result.created);
   images.showMissing(result.coverage, result.isNew);
   parts_.tools.cancelActive();  // the simulation restarts, and what a tool held is lost
-  events_.joined(result.isNew);
+  events_.joined(result.isNew, result.hasReplaced);
   parts_.session.simulation()->transport(C3DE_TRANSPORT_PLAY);
   reportCreated(result);
   reportMissing(result);

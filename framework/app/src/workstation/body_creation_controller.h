@@ -22,7 +22,8 @@ class BodyCreationController {
  public:
   struct Events {
     /// Bodies have joined a simulation, which begins anew. @param isNew  it contains no other bodies
-    std::function<void(bool isNew)> joined;
+    /// @param hasReplaced  it replaced another simulation
+    std::function<void(bool isNew, bool hasReplaced)> joined;
     /// Undo removes them. @param label  "create liver" @param isPicked  from what was picked in the image
     std::function<void(const std::string &label, bool isPicked)> created;
     ReportError failed;

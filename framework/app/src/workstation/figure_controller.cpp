@@ -13,13 +13,14 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/render/png_file.h"
+#include "workstation/figure_clipboard.h"
 #include "workstation/workstation_screenshot.h"
 
 namespace c3de::app {
 namespace {
 
 constexpr const char *kStoreId = "c3de.figure", *kSettingsKey = "settings", *kScreenshotKey = "screenshot";
-constexpr const char *kFigureFailed = "The figure was not written",
+constexpr const char *kFigureFailed = "The figure was not written", *kCopyFailed = "The figure was not copied",
                      *kScreenshotFailed = "The screenshot could not be saved";
 constexpr double kDrawingFraction = 0.7;  // of the progress; the rest is encoding and writing
 constexpr std::chrono::milliseconds kBetweenReports{50};
@@ -101,6 +102,8 @@ void FigureController::connect(ui::WindowActions &actions) {
   actions.figures.save = [this](const ui::FigureSettings &settings, const std::filesystem::path &file) {
     save(settings, file);
   };
+  actions.figures.copy = [this] { copy(); };
+  actions.figures.whyNoCopy = [] { return findClipboardProgram() ? std::string() : whyNoClipboard(); };
   actions.figures.screenshotSize = [this] { return screenshotSize_; };
   actions.figures.setScreenshotSize = [this](ui::ScreenshotSize size) {
     screenshotSize_ = size;
@@ -118,6 +121,18 @@ void FigureController::save(const ui::FigureSettings &settings, const std::files
   remember(kSettingsKey, ui::textOf(settings));
   if (drawing_ || wanted_) return parts_.failed(kFigureFailed, {ErrorCode::state, "another figure is being drawn"});
   wanted_ = Wanted{settings, pathText(file.filename()), writerOf(file), "Figure saved", kFigureFailed};
+  parts_.window.wake();
+}
+
+void FigureController::copy() {
+  const auto program = findClipboardProgram();
+  if (!program) return parts_.failed(kCopyFailed, {ErrorCode::state, whyNoClipboard()});
+  if (drawing_ || wanted_) return parts_.failed(kCopyFailed, {ErrorCode::state, "another figure is being drawn"});
+  const auto copyIt = [program = *program](const std::vector<char> &bytes) -> Expected<std::filesystem::path> {
+    if (auto copied = copyPng(program, bytes); !copied) return tl::unexpected(copied.error());
+    return std::filesystem::path("Clipboard");
+  };
+  wanted_ = Wanted{settings_, "the figure to the clipboard", copyIt, "Figure copied", kCopyFailed};
   parts_.window.wake();
 }
 
@@ -169,11 +184,12 @@ void FigureController::interrupt(const char *why) {
   if (drawing_) drawing_->interruption = why;
 }
 
-std::string figureCaption(double time_s, const std::vector<ProbeToolSample> &tools) {
+std::string figureCaption(double time_s, const std::vector<ProbeToolSample> &tools, const ui::DisplayUnits &units) {
   std::string text = fmt::format("t = {:.3f} s", time_s);
   for (const ProbeToolSample &tool : tools) {
     const double force_N = norm(tool.force_N);
-    text += fmt::format("   {}: {:.3g} N", tool.name, force_N < 1e-6 ? 0.0 : force_N);
+    text += fmt::format("   {}: {}", tool.name,
+                        ui::shownText(units, fmt::format("{:.3g} N", force_N < 1e-6 ? 0.0 : force_N)));
   }
   return text;
 }
@@ -181,7 +197,8 @@ std::string figureCaption(double time_s, const std::vector<ProbeToolSample> &too
 std::string FigureController::captionOf(const ui::SimulationView &simulation) {
   if (!simulation.exists) return {};
   const std::lock_guard lock(mutex_);
-  return latest_ ? figureCaption(latest_->time_s, latest_->tools) : figureCaption(simulation.transport.time_s, {});
+  return latest_ ? figureCaption(latest_->time_s, latest_->tools, units_)
+                 : figureCaption(simulation.transport.time_s, {}, units_);
 }
 
 void FigureController::draw(const ui::SimulationView &simulation) {

@@ -49,6 +49,8 @@ class FigureController {
   void onImageChanged();
   /// Writes curves as a picture, with the settings of the last figure. No frame of the window may be in progress.
   void savePlots(const ui::PlotList &plots, const ui::SimulationView &simulation, const std::filesystem::path &file);
+  /// In which captions have forces.
+  void setUnits(const ui::DisplayUnits &units) { units_ = units; }
   /// A figure is being drawn: what the views show must not change.
   [[nodiscard]] bool isDrawing() const { return drawing_ != nullptr; }
   /// Called once per frame, when the views show the last snapshot and no frame of the window is in progress.
@@ -71,6 +73,8 @@ class FigureController {
     std::vector<ProbeToolSample> tools;
   };
   void save(const ui::FigureSettings &settings, const std::filesystem::path &file);
+  /// To the clipboard.
+  void copy();
   void saveScreenshot();
   void begin(const Wanted &wanted, const ui::SimulationView &simulation);
   void endDrawing(Expected<render::Image> result);
@@ -85,6 +89,7 @@ class FigureController {
   Parts parts_;
   registry::SettingsStore store_;
   ui::FigureSettings settings_;
+  ui::DisplayUnits units_;
   ui::ScreenshotSize screenshotSize_ = ui::ScreenshotSize::view;
   std::optional<Wanted> wanted_;  ///< begins with the next frame
   std::unique_ptr<Drawing> drawing_;
@@ -94,6 +99,7 @@ class FigureController {
 
 /// "t = 0.42 s   needle: 1.2 N": time, and the magnitude of the force on each tool. Forces below a millionth of a
 /// newton are 0.
-[[nodiscard]] std::string figureCaption(double time_s, const std::vector<ProbeToolSample> &tools);
+[[nodiscard]] std::string figureCaption(double time_s, const std::vector<ProbeToolSample> &tools,
+                                        const ui::DisplayUnits &units);
 
 }  // namespace c3de::app

@@ -102,8 +102,8 @@ void PlotController::addMeasurements() {
   for (const ui::MeasurementRow &row : list.rows()) {
     if (!row.now) continue;
     const bool isLandmark = row.kind == ui::MeasureKind::landmark;
-    ui::PlotValue value{"measure." + row.name, row.name + (isLandmark ? ": displacement" : ""), row.unit(), *row.now,
-                        true};
+    ui::PlotValue value{"measure." + row.name, row.name + (isLandmark ? ": displacement" : ""),
+                        row.kind == ui::MeasureKind::angle ? "°" : "mm", *row.now, true};
     const auto &known = plots_.series();
     if (std::none_of(known.begin(), known.end(), [&](const auto &s) { return s.last.id == value.id; })) {
       std::vector<ui::PlotPoint> past;

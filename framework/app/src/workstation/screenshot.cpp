@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation/screenshot.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
-#include "c3de/core/output_file.h"
-#include "c3de/core/path_text.h"
+#include "c3de/render/picture_file.h"
 #include "c3de/render/renderer.h"
 #include "c3de/session/body_displacement.h"
 #include "c3de/session/export_image.h"
@@ -88,16 +84,6 @@ ui::SpaceDirection directionOf(const PictureCamera &camera) {
   return direction;
 }
 
-Expected<void> writePicture(const std::filesystem::path &file, const render::Image &picture) {
-  std::string extension = pathText(file.extension());
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  if (extension != ".ppm") return render::writePng(pathText(file), picture);
-  std::string bytes = fmt::format("P6\n{} {}\n255\n", picture.width, picture.height);
-  bytes.append(reinterpret_cast<const char *>(picture.rgb.data()), picture.rgb.size());
-  return writeWholeFile(file, bytes);
-}
-
 }  // namespace
 
 Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file,
@@ -143,7 +129,7 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
   const auto picture =
       ui::pictureOfViews(renderer, views, session.sceneGraph(), title, width, height, directionOf(sources.camera));
   if (!picture) return tl::unexpected(picture.error());
-  return writePicture(file, *picture);
+  return render::writePicture(file, *picture);
 }
 
 }  // namespace c3de::app

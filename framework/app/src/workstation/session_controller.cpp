@@ -22,8 +22,6 @@
 namespace c3de::app {
 namespace {
 
-constexpr auto kAutosaveInterval = std::chrono::seconds(8);
-
 std::filesystem::path recoveryFolder() { return userDataDirectory() / "recovery"; }
 
 std::string stepText(std::uint64_t steps, double time_s) {
@@ -68,8 +66,9 @@ SessionController::Baseline SessionController::present() const {
   const segmentation::SegmentationWorkflow &workflow = parts_.images.workflow();
   const bool isPicked = workflow.mask().mask() || (!workflow.mask().isBusy() && !workflow.pickedLabels().empty());
   const std::uint64_t selection = isPicked ? workflow.mask().revision() : 0;
-  if (simulation == nullptr) return {0, 0, 0, measurements, selection};
-  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection};
+  const std::uint64_t comparison = parts_.comparison.revision();
+  if (simulation == nullptr) return {0, 0, 0, measurements, selection, comparison};
+  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection, comparison};
 }
 
 SessionController::Unsaved SessionController::unsaved() const {
@@ -80,6 +79,7 @@ SessionController::Unsaved SessionController::unsaved() const {
         !baseline_ || saved.simulation != now.simulation || saved.changes != now.changes || saved.steps != now.steps;
   if (baseline_ || !parts_.measurements.set().isEmpty()) out.measurements = saved.measurements != now.measurements;
   out.selection = saved.selection != now.selection;
+  out.comparison = saved.comparison != now.comparison && !parts_.comparison.isRestoring();
   return out;
 }
 
@@ -104,6 +104,10 @@ ShownView SessionController::shownView() const {
     shown.view.crossHair_mm = views.crossHair();
     shown.view.window = views.options().windowLevel.window;
     shown.view.level = views.options().windowLevel.level;
+    if (const auto second = parts_.comparison.shown()) {
+      shown.comparison = second->file;
+      shown.view.comparison = second->saved;
+    }
   }
   if (const segmentation::Selection picked = parts_.images.workflow().selection(); !picked.isEmpty()) {
     shown.mask = picked.mask;
@@ -139,6 +143,7 @@ void SessionController::measure(std::function<void(const std::string &)> measure
   const ShownView shown = shownView();
   std::vector<std::filesystem::path> files = shown.labels;
   if (!shown.image.empty()) files.push_back(shown.image);
+  if (!shown.comparison.empty()) files.push_back(shown.comparison);
   const auto sum = std::make_shared<FileStamp>();
   (void)parts_.session.jobs().submit(
       kJobOwner, "Counting the files of the session",
@@ -297,8 +302,8 @@ void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::
   showView(*session);
 }
 
-void SessionController::onMade(bool isNew) {
-  if (isNew) begin();
+void SessionController::onMade(bool hasReplaced) {
+  if (hasReplaced) begin();
   baseline_.reset();
 }
 
@@ -308,15 +313,16 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
   if (view.measurements) parts_.measurements.assign(setOf(*view.measurements));
   pendingView_ = view;
   pendingMask_ = opened.mask;
-  if (view.image.empty()) return onImageShown();
-  // A scene with an image has opened it, in the series that it names.
-  const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
-  if (first != nullptr && first->image && (view.series.empty() || view.series == first->image->series)) return;
   const auto placeOf = [&opened](const std::string &path) {
     for (const FoundFile &file : opened.files)
       if (file.file.path == path) return file.at;
     return pathFromText(path);
   };
+  pendingComparison_ = view.comparison ? placeOf(view.comparison->image) : std::filesystem::path();
+  if (view.image.empty()) return onImageShown();
+  // A scene with an image has opened it, in the series that it names.
+  const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
+  if (first != nullptr && first->image && (view.series.empty() || view.series == first->image->series)) return;
   std::vector<std::filesystem::path> labels;
   for (const std::string &path : view.labels) labels.push_back(placeOf(path));
   parts_.images.open(placeOf(view.image), labels, view.series, static_cast<std::size_t>(view.time),
@@ -326,6 +332,7 @@ void SessionController::showView(const WorkstationLoader::OpenedSession &opened)
 void SessionController::onImageShown() {
   if (!pendingView_) return;
   const SessionView view = *std::exchange(pendingView_, std::nullopt);
+  if (!view.comparison) onComparisonRestored();
   ui::ImageViews &views = parts_.images.views();
   if (views.image() != nullptr) {
     views.chooseTime(static_cast<std::size_t>(view.time));
@@ -342,6 +349,7 @@ void SessionController::onImageShown() {
           picked.labels.push_back(static_cast<std::uint16_t>(label));
       parts_.images.restoreSelection(std::move(picked));
     }
+    if (view.comparison) parts_.comparison.restore(std::exchange(pendingComparison_, {}), *view.comparison);
   }
   if (!view.camera) return;
   render::Camera pose = parts_.window.camera();
@@ -356,6 +364,10 @@ void SessionController::onSelectionRestored() {
   if (baseline_) baseline_->selection = present().selection;
 }
 
+void SessionController::onComparisonRestored() {
+  if (baseline_) baseline_->comparison = present().comparison;
+}
+
 void SessionController::onClosed() { begin(); }
 
 void SessionController::onReplaced() {
@@ -363,12 +375,16 @@ void SessionController::onReplaced() {
   baseline_.reset();
 }
 
+void SessionController::setAutosaveInterval(double interval_s) {
+  autosaveInterval_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(interval_s));
+}
+
 void SessionController::autosaveIfDue() {
   const Clock::time_point now = Clock::now();
   // The file that was restored stays until this run has one of its own, or the work is saved.
   if (!recovered_.empty() && (recovery_.isWritten() || (baseline_ && !isModified())))
     removeRecovery(std::exchange(recovered_, {}));
-  if (now - autosaveTried_ < kAutosaveInterval || isSaving_ || recovery_.isWriting() || !isModified()) return;
+  if (now - autosaveTried_ < autosaveInterval_ || isSaving_ || recovery_.isWriting() || !isModified()) return;
   const Baseline present = this->present();
   if (autosaved_ == present && !recovery_.hasFailed()) return;
   autosaveTried_ = now;
@@ -392,7 +408,9 @@ void SessionController::onAutosaveRefused(const Error &error) {
   const Clock::time_point now = Clock::now();
   if (!refusedSince_) refusedSince_ = now;
   if (now - *refusedSince_ < kReportedAfter || std::exchange(hasReportedRefusal_, true)) return;
-  parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed", error.message + "\nIt is tried again every 8 s.");
+  parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed",
+                       error.message + "\nThe program tries again every " +
+                           formatNumber(std::chrono::duration<double>(autosaveInterval_).count()) + " s.");
 }
 
 void SessionController::notifyLost(const std::string &title, const LostSession &lost) {

@@ -15,6 +15,7 @@
 #include "c3de/session/session.h"
 #include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
+#include "workstation/comparison_controller.h"
 #include "workstation/messages.h"
 #include "workstation/missing_files_controller.h"
 #include "workstation/session_recovery.h"
@@ -34,6 +35,7 @@ class SessionController {
     WorkstationImages &images;
     ui::WorkstationWindow &window;
     ui::MeasurementList &measurements;
+    ComparisonController &comparison;
     ReportError failed;
   };
   explicit SessionController(Parts parts);
@@ -48,25 +50,29 @@ class SessionController {
   /// @param notRestored  as WorkstationLoader::Loaded
   void onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session,
                 const std::string &notRestored = {});
-  /// Bodies were made that no file has. @param isNew  in a new simulation
-  void onMade(bool isNew);
+  /// Bodies were created that no file contains. The session of a scan continues. @param hasReplaced  another simulation
+  /// was replaced, and this is another session
+  void onMade(bool hasReplaced);
   void onImageShown();
   void onSelectionRestored();
+  void onComparisonRestored();
   void onClosed();
   /// Of the present session; empty: not saved yet.
   [[nodiscard]] const std::filesystem::path &file() const { return file_; }
   /// What differs from the file.
   struct Unsaved {
     bool simulation = false, measurements = false;
-    bool selection = false;  ///< what is picked or painted in the image
+    bool selection = false;   ///< what is picked or painted in the image
+    bool comparison = false;  ///< the pose of the second scan
   };
   [[nodiscard]] Unsaved unsaved() const;
   [[nodiscard]] bool isModified() const {
     const Unsaved parts = unsaved();
-    return parts.simulation || parts.measurements || parts.selection;
+    return parts.simulation || parts.measurements || parts.selection || parts.comparison;
   }
   /// Called about once a second: writes what is not saved yet to the recovery file.
   void autosaveIfDue();
+  void setAutosaveInterval(double interval_s);
   /// Call before the session ends. @param isInterrupted  the next run offers what is not saved
   void stop(bool isInterrupted) { recovery_.stop(isInterrupted); }
   /// The dialog for files that are missing or have changed.
@@ -88,6 +94,7 @@ class SessionController {
     std::uint64_t changes = 0, steps = 0;
     std::uint64_t measurements = 0;  ///< revision
     std::uint64_t selection = 0;     ///< revision of the mask; 0: nothing is picked
+    std::uint64_t comparison = 0;    ///< revision of the pose; 0: as in its file
     friend bool operator==(const Baseline &, const Baseline &) = default;
   };
 
@@ -119,10 +126,12 @@ class SessionController {
   SessionFile foreign_;                     ///< members and keys of the opened session that this program does not know
   std::optional<SessionView> pendingView_;  ///< applied when the image is shown
   std::shared_ptr<const imaging::Mask> pendingMask_;
-  std::filesystem::path recovered_;  ///< recovery file of another run; empty: none
+  std::filesystem::path pendingComparison_;  ///< file of pendingView_->comparison
+  std::filesystem::path recovered_;          ///< recovery file of another run; empty: none
   SessionRecovery recovery_;
   std::optional<Baseline> autosaved_;
   Clock::time_point autosaveTried_ = Clock::now();
+  Clock::duration autosaveInterval_ = std::chrono::seconds(8);
   std::optional<Clock::time_point> refusedSince_;  ///< the state cannot be stored
   bool hasReportedRefusal_ = false;
   std::uint64_t serial_ = 1;  ///< of the present simulation

@@ -56,6 +56,11 @@ Expected<SessionFile> sessionWithView(const CapturedState &captured, const Shown
     if (!path) return tl::unexpected(path.error());
     saved->view.labels.push_back(std::move(*path));
   }
+  if (!shown.comparison.empty() && saved->view.comparison) {
+    auto path = add(shown.comparison);
+    if (!path) return tl::unexpected(path.error());
+    saved->view.comparison->image = std::move(*path);
+  }
   if (shown.mask && saved->view.selection) addMaskOfSelection(*shown.mask, *saved);
   return saved;
 }

@@ -23,6 +23,7 @@ namespace c3de::app {
 struct ShownView {
   std::filesystem::path image;
   std::vector<std::filesystem::path> labels;
+  std::filesystem::path comparison;           ///< of view.comparison, which exists if this is not empty
   SessionView view;                           ///< without the names of files and members
   std::shared_ptr<const imaging::Mask> mask;  ///< of view.selection; null: none
 };

@@ -30,11 +30,13 @@
 #include "commands/last_crash.h"
 #include "workstation/body_creation_controller.h"
 #include "workstation/body_update_controller.h"
+#include "workstation/comparison_controller.h"
 #include "workstation/export_controller.h"
 #include "workstation/figure_controller.h"
 #include "workstation/measurement_controller.h"
 #include "workstation/plot_controller.h"
 #include "workstation/plugin_problems.h"
+#include "workstation/preferences_controller.h"
 #include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
 #include "workstation/replay_controller.h"
@@ -83,6 +85,7 @@ class Workstation {
   [[nodiscard]] Expected<void> createSession(SessionOptions &options);
   void createControllers();
   void connectWindow();
+  void apply(const ui::Preferences &preferences);
   [[nodiscard]] ui::WindowActions actions();
   [[nodiscard]] std::string unsaved();
   void open(const ui::OpenRequest &request);
@@ -91,7 +94,7 @@ class Workstation {
   void closeImage();
   void closeSimulation();
   void removeSimulation();
-  void onBodiesJoined(bool isNew);
+  void onBodiesJoined(bool isNew, bool hasReplaced);
   void onLoaded(const WorkstationLoader::Loaded &loaded);
   void beginTissues(std::vector<TissueVoxels> bodies);
   void showLatestResults();
@@ -119,11 +122,13 @@ class Workstation {
   std::optional<ReplayController> replay_;
   std::optional<ReportController> report_;
   std::optional<MeasurementController> measurements_;
+  std::optional<ComparisonController> comparison_;
   std::optional<FigureController> figures_;
   std::optional<PlotController> plots_;
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
   std::optional<BodyUpdateController> bodyUpdates_;
+  std::optional<PreferencesController> preferences_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
   std::optional<RecentFilesController> recent_;            ///< its thread uses the session's queue
@@ -138,6 +143,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   playsWhenLoaded_ = options.play;
   createControllers();
   connectWindow();
+  preferences_->read();
   plugins_->report(session_->plugins(), panels_);
   if (sessionOptions.loadRules.isSafeMode)
     panels_.notify(C3DE_LOG_INFO, "Safe mode", "Only the plugins that came with the program were loaded.");
@@ -194,6 +200,7 @@ void Workstation::createControllers() {
   WorkstationImages::Events events;
   events.shown = [this] { onImageShown(); };
   events.closed = [this] {
+    comparison_->close();
     warp_->stop();
     figures_->onImageChanged();
   };
@@ -213,19 +220,22 @@ void Workstation::createControllers() {
     history_->captureBefore([this, scene](std::uint64_t) { bodyCreation_->createScanBody(scene); });
   };
   events.closeSimulation = [this] { closeSimulation(); };
+  events.compareWith = [this](const std::filesystem::path &file, const std::string &series) {
+    comparison_->open(file, series);
+  };
   events.selectionRestored = [this] { sessions_->onSelectionRestored(); };
   events.askForLabelFile = [this] { window_->request(ui::Command::saveLabels); };
   images_.emplace(session, *renderer_, panels_, tools_, std::move(events));
   tissueTable_.emplace(images_->views(), [this] { window_->wake(); });
   warp_.emplace(session, *images_, tissueTable_->tracker(), failed);
-  bodyCreation_.emplace(BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
-                        BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); },
-                                                       [this](const std::string &label, bool isPicked) {
-                                                         using MaskUndo = SimulationHistory::MaskUndo;
-                                                         history_->add(
-                                                             label, isPicked ? MaskUndo::ofCreation : MaskUndo::none);
-                                                       },
-                                                       failed});
+  bodyCreation_.emplace(
+      BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
+      BodyCreationController::Events{[this](bool isNew, bool hasReplaced) { onBodiesJoined(isNew, hasReplaced); },
+                                     [this](const std::string &label, bool isPicked) {
+                                       using MaskUndo = SimulationHistory::MaskUndo;
+                                       history_->add(label, isPicked ? MaskUndo::ofCreation : MaskUndo::none);
+                                     },
+                                     failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
                                                 [this](const auto &file) { replay_->openPast(file); }});
@@ -239,10 +249,13 @@ void Workstation::createControllers() {
   report_.emplace(ReportController::Parts{session, panels_, parameters_, keptLog_, renderer_->description(), failed});
   measurements_.emplace(
       MeasurementController::Parts{session, panels_, edits_, tools_, *images_, *window_, *renderer_, failed});
+  comparison_.emplace(ComparisonController::Parts{session, *renderer_, panels_, edits_, tools_, *images_,
+                                                  measurements_->list(), failed,
+                                                  [this] { sessions_->onComparisonRestored(); }});
   figures_.emplace(FigureController::Parts{session, panels_, *window_, *renderer_, *images_, *measurements_, failed});
   plots_.emplace(PlotController::Parts{session, panels_, *measurements_, *figures_, failed});
-  sessions_.emplace(
-      SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(), failed});
+  sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(),
+                                             *comparison_, failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
   bodyUpdates_.emplace(
@@ -250,12 +263,23 @@ void Workstation::createControllers() {
       [this] { return replay_->isReplaying() ? std::string(ui::kReplayLocks) : std::string(); });
   tissueSurfaces_.emplace(session, *renderer_);
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
+  preferences_.emplace(panels_, [this](const ui::Preferences &preferences) { apply(preferences); });
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
     measurements_->onPublished(simulation);
     figures_->onPublished(simulation);
     plots_->onPublished(simulation);
   });
+}
+
+void Workstation::apply(const ui::Preferences &preferences) {
+  window_->setPreferences(preferences);
+  images_->views().setUnits(preferences.units);
+  images_->setWindowLevelRules(preferences.windowLevels);
+  measurements_->list().setUnits(preferences.units);
+  plots_->plots().setUnits(preferences.units);
+  figures_->setUnits(preferences.units);
+  sessions_->setAutosaveInterval(preferences.autosave_s);
 }
 
 void Workstation::connectWindow() {
@@ -278,12 +302,14 @@ ui::WindowActions Workstation::actions() {
   simulation_->connect(actions);
   exports_->connect(actions);
   measurements_->connect(actions);
+  comparison_->connect(actions);
   figures_->connect(actions);
   plots_->connect(actions);
   recording_->connect(actions);
   report_->connect(actions);
   sessions_->connect(actions);
   recent_->connect(actions);
+  preferences_->connect(actions);
   plugins_->connect(actions, session_->plugins(),
                     [this](const std::string &title, const Error &error) { onFailed(title, error); });
   actions.open = [this](const ui::OpenRequest &request) { open(request); };
@@ -389,6 +415,7 @@ std::string Workstation::unsaved() {
     add("The simulation, at t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s, has changes that are not saved.");
   if (unsaved.measurements) add("The measurements are not saved.");
+  if (unsaved.comparison) add("The position of the second scan is not saved.");
   if (replay_->hasKept()) add("The simulation from before the timeline was shown is not saved.");
   if (unsaved.selection && !images_->isMaskSaved())
     add("What is picked in the image is not saved, and no body has been created of it.");
@@ -437,11 +464,11 @@ void Workstation::removeSimulation() {
   warp_->request();
 }
 
-void Workstation::onBodiesJoined(bool isNew) {
+void Workstation::onBodiesJoined(bool isNew, bool hasReplaced) {
   if (isNew) replay_->end();
   if (isNew) simulation_->applyTargetRate();
   measurements_->onBodiesChanged();
-  sessions_->onMade(isNew);
+  sessions_->onMade(hasReplaced);
   report_->begin(false);
   if (isNew) loadedFiles_.clear();
   // Bodies that existed before restart.

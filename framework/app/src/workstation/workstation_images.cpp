@@ -10,60 +10,9 @@
 #include "c3de/imaging/writing.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/session/file_kind.h"
+#include "workstation/image_reading.h"
 
 namespace c3de::app {
-namespace {
-
-constexpr std::size_t kHistogramBins = 128;  // about two pixels each in the panel
-
-/// Result of a reading job, passed to the main thread when it is complete.
-struct ReadImage {
-  std::shared_ptr<scene::StoredImage> image;
-  std::vector<std::string> notices;
-  std::vector<imaging::SeriesInfo> series;  ///< to choose from; if not empty, nothing was read
-  bool isSegmentation = false;              ///< to be opened as labels
-};
-
-/// A file, or one of its series at one of its time points.
-struct ImageToRead {
-  std::filesystem::path path;
-  std::string series;
-  std::size_t time = 0;
-  std::string name;  ///< display name
-};
-
-/// Runs in a job.
-Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress, ReadImage &read) {
-  imaging::ReadOptions options;
-  options.series = wanted.series;
-  options.time = wanted.time;
-  options.progress = progress;
-  auto loaded = imaging::readVolume(wanted.path, options);
-  if (!loaded) return tl::unexpected(loaded.error());
-  if (progress && !progress(-1.0, "analysing the values"))
-    return fail(ErrorCode::cancelled, "opening " + wanted.name + " was cancelled");
-  auto image = std::make_shared<scene::StoredImage>();
-  image->name = wanted.name;
-  image->volume = std::move(loaded->volume);
-  image->range = imaging::robustRange(image->volume);
-  if (image->volume.colours.empty())
-    image->histogram = imaging::histogramOf(image->volume, image->range.min, image->range.max, kHistogramBins);
-  image->time = wanted.time;
-  image->times = loaded->times;
-  read.image = std::move(image);
-  read.notices = std::move(loaded->notices);
-  return {};
-}
-
-/// Whether a segmentation was meant: the named file is one, or there is nothing else.
-bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
-  const auto segments = [](const imaging::SeriesInfo &s) { return s.isSegmentation; };
-  return (!readable.empty() && std::all_of(readable.begin(), readable.end(), segments)) ||
-         std::any_of(readable.begin(), readable.end(),
-                     [&](const imaging::SeriesInfo &s) { return s.holdsNamedFile && segments(s); });
-}
-
-}  // namespace
 
 WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
                                      registry::ToolRegistry &tools, Events events)
@@ -93,25 +42,12 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
                              bool isOfSimulation) {
   choice_.reset();
   const auto read = std::make_shared<ReadImage>();
-  const ImageToRead wanted{path, series, time, imageName(path)};
+  const ImageToRead wanted{path, series, time, imageName(path), !windowLevelRules_.empty()};
   const bool laysOver = segmentation == Segmentation::labels && views_.image() != nullptr;
   job_.start(
       "Opening " + wanted.name,
       [wanted, read, laysOver](const ProgressFn &progress) -> Expected<void> {
-        if (wanted.series.empty()) {
-          auto found = imaging::listSeries(wanted.path, progress);
-          if (!found) return tl::unexpected(found.error());
-          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
-          read->isSegmentation = isSegmentation(*found);
-          if (read->isSegmentation && laysOver) return {};
-          std::erase_if(*found, [&](const imaging::SeriesInfo &s) { return s.isSegmentation != read->isSegmentation; });
-          const auto wholes =
-              std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
-          if (found->size() > 1 && !read->isSegmentation) read->series = std::move(*found);
-          // one series in parts is opened as a whole, and its parts are offered
-          if (wholes > 1 && !read->isSegmentation) return {};
-        }
-        return readStored(wanted, progress, *read);
+        return readFirst(wanted, laysOver, progress, *read);
       },
       [this, wanted, labels = std::move(labels), read, isOfSimulation](const Expected<void> &result) {
         if (!result) return events_.failed("Could not open " + wanted.name, result.error());
@@ -119,9 +55,13 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         std::vector<std::filesystem::path> maps = labels;
         if (read->isSegmentation) maps.insert(maps.begin(), wanted.path);
         if (read->image) {
-          path_ = wanted.path;
-          series_ = wanted.series;
+          const std::filesystem::path former = std::exchange(path_, wanted.path);
+          const std::string formerSeries = std::exchange(series_, wanted.series);
+          const bool isSecond = hasImage() && !isOfSimulation && !read->isSegmentation &&
+                                (former != wanted.path || formerSeries != wanted.series);
           show(read->image, isOfSimulation);
+          applyWindowLevelRule(read->description + " " + pathText(wanted.path.filename()));
+          if (isSecond && views_.image() == read->image.get()) offerToCompare(former, formerSeries);
           if (read->isSegmentation)
             read->notices.emplace_back(
                 "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
@@ -207,6 +147,14 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
   events_.shown();
 }
 
+void WorkstationImages::applyWindowLevelRule(const std::string &name) {
+  const auto found = ui::windowLevelFor(windowLevelRules_, name);
+  if (!found || !views_.image()) return;
+  ui::ImageOptions options = views_.options();
+  options.windowLevel = *found;
+  views_.setOptions(options);
+}
+
 void WorkstationImages::offerToCloseSimulation(const std::string &image) {
   // Posted, since messages are being drawn; skipped if another simulation has been opened since.
   const auto close = [this, node = session_.simulationNode()] {
@@ -218,6 +166,18 @@ void WorkstationImages::offerToCloseSimulation(const std::string &image) {
                  "Its bodies were made before " + image +
                      " was opened, and deform it where they overlap it. File > Close simulation removes them.",
                  {{"Close the simulation", close}}, registry::About::simulation);
+}
+
+void WorkstationImages::offerToCompare(const std::filesystem::path &former, const std::string &series) {
+  // Posted, since messages are being drawn; skipped if yet another image has been opened.
+  const auto compare = [this, former, series, shown = path_] {
+    session_.mainQueue().post([this, former, series, shown] {
+      if (hasImage() && path_ == shown) events_.compareWith(former, series);
+    });
+  };
+  panels_.notify(C3DE_LOG_INFO, "Another image is open",
+                 imageName(former) + " was open before. It can be shown over the new one as a second scan.",
+                 {{"Compare with it", compare}});
 }
 
 void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyRequest> &requests) {

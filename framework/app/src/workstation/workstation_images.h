@@ -15,6 +15,7 @@
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/session/session.h"
 #include "c3de/ui/image_panel.h"
+#include "c3de/ui/preferences.h"
 #include "c3de/ui/segmentation_panel.h"
 #include "workstation/displacement_presenter.h"
 #include "workstation/latest_job.h"
@@ -45,6 +46,8 @@ class WorkstationImages {
     std::function<void()> closeSimulation;
     std::function<void()> askForLabelFile;  ///< ends with saveLabels()
     std::function<void()> selectionRestored;
+    /// The user wants the image that was open before as a second scan over the present one.
+    std::function<void(const std::filesystem::path &, const std::string &series)> compareWith;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
                     registry::ToolRegistry &tools, Events events);
@@ -85,6 +88,8 @@ class WorkstationImages {
   void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
   /// The bodies have been removed: their labels are shown again.
   void onBodiesRemoved() { labels_.showHiddenLabels(); }
+  /// Window and level of images that are opened from now on.
+  void setWindowLevelRules(std::vector<ui::WindowLevelRule> rules) { windowLevelRules_ = std::move(rules); }
   void close();
   /// Shows the displacement of the tissue; null: none.
   void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
@@ -98,7 +103,11 @@ class WorkstationImages {
 
  private:
   void show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation);
+  /// @param name  modality, series description and file name
+  void applyWindowLevelRule(const std::string &name);
   void offerToCloseSimulation(const std::string &image);
+  /// @param former  file of the image that was open before
+  void offerToCompare(const std::filesystem::path &former, const std::string &series);
   /// Reads another time point of the open image and replaces it.
   void readTime(std::size_t time);
   void showTime(std::shared_ptr<scene::StoredImage> image);
@@ -126,6 +135,7 @@ class WorkstationImages {
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the open image
   std::string series_;
+  std::vector<ui::WindowLevelRule> windowLevelRules_;
   MaskSurface maskSurface_;
   LatestJob job_, timeJob_;
   Handle node_, storedImage_;

@@ -134,10 +134,13 @@ Expected<void> WorkstationLoader::build(Build &build, const OpenedSession *opene
     }
   }
   build.bodies = boundsOfBodies(simulator);
-  if (!build.needsFloor || !build.bodies) return {};
-  const auto room = addSurroundingWalls(simulator, *build.bodies);
-  if (!room) return tl::unexpected(room.error());
-  build.room = *room;
+  if (build.needsFloor && build.bodies) {
+    const auto room = addSurroundingWalls(simulator, *build.bodies);
+    if (!room) return tl::unexpected(room.error());
+    build.room = *room;
+  }
+  // The first frame that shows the simulation shows its state, not the defaults of the panel.
+  publishSnapshot(simulator);
   return {};
 }
 

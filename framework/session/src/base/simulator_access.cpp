@@ -40,6 +40,10 @@ Expected<c3de_sim_status> simulatorStatus(const c3de_simulator_v1 *table, c3de_o
   return status;
 }
 
+void publishSnapshot(c3de_object *simulator) {
+  if (const auto table = simulatorTable(simulator)) (void)(*table)->publish(simulator);
+}
+
 std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
   const auto table = simulatorTable(simulator);
   c3de_sim_body_info info{};

@@ -188,6 +188,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
   for (const char *key : {"contacts", "probe_tools", "grasps"})
     report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  if (simulator->contains("conditions")) report["conditions"] = simulator->at("conditions");
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
   if (simulator->contains("composition")) report["composition"] = simulator->at("composition");
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();

@@ -268,6 +268,31 @@ void readMeasurements(Json object, SavedMeasurements &out, std::string &error) {
        });
 }
 
+void readComparison(Json object, ParsedSession &out, std::string &error) {
+  SavedComparison &second = out.session.view.comparison.emplace();
+  if (!object.is_object()) return;
+  KeyReader keys(std::move(object), "view.comparison.", error);
+  keys.require("image");
+  keys.text("image", second.image);
+  keys.text("series", second.series);
+  keys.count("time", second.time);
+  keys.point("translation_mm", second.translation_mm);
+  keys.point("rotation_deg", second.rotation_deg);
+  keys.point("centre_mm", second.centre_mm);
+  keys.flag("hidden", second.isHidden);
+  keys.flag("checkerboard", second.isCheckerboard);
+  keys.number("blend", second.blend);
+  keys.number("square_mm", second.square_mm);
+  keys.number("window", second.window);
+  keys.number("level", second.level);
+  if (second.image.empty()) keys.refuse("the key view.comparison.image is empty; accepted: the path of an image");
+  if (!(second.blend >= 0.0 && second.blend <= 1.0))
+    keys.refuse(fmt::format("the key view.comparison.blend is {}; accepted: 0 to 1", second.blend));
+  if (!(second.square_mm > 0.0))
+    keys.refuse(fmt::format("the key view.comparison.square_mm is {}; accepted: above 0", second.square_mm));
+  keys.keepRest(Pointer() / "view" / "comparison", out.session.unknown);
+}
+
 void readView(const Json &object, ParsedSession &out, std::string &error) {
   if (object.is_null()) return;
   SessionView &view = out.session.view;
@@ -294,6 +319,7 @@ void readView(const Json &object, ParsedSession &out, std::string &error) {
     view.camera = camera;
   }
   if (reader.has("measurements")) readMeasurements(reader.object("measurements"), view.measurements.emplace(), error);
+  if (reader.has("comparison")) readComparison(reader.object("comparison"), out, error);
   if (reader.has("selection")) {
     const Json selection = reader.object("selection");
     SavedSelection &picked = view.selection.emplace();
@@ -347,6 +373,21 @@ Json viewJson(const SessionView &view) {
         Json{{"labels", picked.labels}, {"name", picked.name}, {"low", picked.low}, {"high", picked.high}};
     if (!picked.mask.empty()) selection["mask"] = picked.mask;
   }
+  if (view.comparison) {
+    const SavedComparison &second = *view.comparison;
+    Json &comparison = json["comparison"] = Json{{"image", second.image},
+                                                 {"translation_mm", second.translation_mm},
+                                                 {"rotation_deg", second.rotation_deg},
+                                                 {"centre_mm", second.centre_mm},
+                                                 {"checkerboard", second.isCheckerboard},
+                                                 {"blend", second.blend},
+                                                 {"square_mm", second.square_mm}};
+    if (!second.series.empty()) comparison["series"] = second.series;
+    if (second.time != 0) comparison["time"] = second.time;
+    if (second.isHidden) comparison["hidden"] = true;
+    if (second.window) comparison["window"] = *second.window;
+    if (second.level) comparison["level"] = *second.level;
+  }
   if (view.camera)
     json["camera"] = Json{{"focus_mm", view.camera->focus_mm},
                           {"yaw_rad", view.camera->yaw_rad},
@@ -395,7 +436,7 @@ bool addUnknown(const std::string &pointer, const Json &value, const SessionFile
     Json *object = nullptr;
     const Pointer files = Pointer() / "files";
     if (at.empty() || at == Pointer() / "view" || at == Pointer() / "view" / "camera" ||
-        at == Pointer() / "view" / "selection") {
+        at == Pointer() / "view" / "selection" || at == Pointer() / "view" / "comparison") {
       // What they described is not in this session.
       if (!at.empty() && !json.contains(at)) return true;
       object = &json[at];

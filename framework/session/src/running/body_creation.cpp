@@ -177,6 +177,7 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
   scene::Simulation *present = session_.simulation();
   const auto result = std::make_shared<Result>();
   result->isNew = !present || !supportsFills(present->table());
+  result->hasReplaced = result->isNew && present;
   // Two bodies of one name would overlap and be indistinguishable.
   const std::set<std::string> taken = result->isNew ? std::set<std::string>() : bodyNames(session_);
   for (segmentation::BodyRequest &request : requests) {
@@ -211,7 +212,10 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
             if (log) log->endAdding();
           }
         } const adding(changes.get());
-        return createAll(simulator->get(), changes, *result, progress);
+        auto created = createAll(simulator->get(), changes, *result, progress);
+        // The first frame that shows the simulation shows its state.
+        if (created && result->isNew) publishSnapshot(simulator->get());
+        return created;
       },
       [this, serial, simulator, result, title](const Expected<void> &done) {
         if (serial != serial_) return;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/headless_run.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
+#include "c3de/core/log.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/force_fields.h"
@@ -250,6 +252,12 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
   const char *owner = session_.plugins().ownerOf(simulator_);
   const StepLimit limit(simulator_, table_, limits_.deadline);
   facts_.outcome = "done";
+  int tenths = 0;  // of the way, as --verbose has printed it
+  const auto progressText = [this] {
+    if (isQuasistatic()) return position() + " in " + threeDigits(facts_.wall_s) + " s";
+    return threeDigits(facts_.time_s) + " s simulated in " + threeDigits(facts_.wall_s) + " s, step " +
+           std::to_string(facts_.steps);
+  };
   for (;;) {
     const auto repeated = repeatDue();
     if (!repeated) return tl::unexpected(repeated.error());
@@ -290,11 +298,11 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
       if (const auto sampled = sampleProbes(); !sampled) return sampled;
     exportFrame(false);
     sampleEnergies(false);
-    if (progress.isDue())
-      progress.update(fraction(), isQuasistatic()
-                                      ? position() + " in " + threeDigits(facts_.wall_s) + " s"
-                                      : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(facts_.wall_s) +
-                                            " s, step " + std::to_string(facts_.steps));
+    if (progress.isDue()) progress.update(fraction(), progressText());
+    if (const int tenth = static_cast<int>(10.0 * std::min(fraction(), 1.0)); tenth > tenths) {
+      tenths = tenth;
+      log(LogLevel::debug, std::to_string(10 * tenth) + " %: " + progressText());
+    }
   }
   return {};
 }

@@ -303,6 +303,7 @@ Expected<void> keepRest(const SessionFile &opened, const std::vector<FoundFile> 
   std::vector<std::string *> paths;
   if (!saved.view.image.empty()) paths.push_back(&saved.view.image);
   for (std::string &labels : saved.view.labels) paths.push_back(&labels);
+  if (saved.view.comparison) paths.push_back(&saved.view.comparison->image);
   for (std::string *path : paths) {
     const auto found = std::find_if(files.begin(), files.end(),
                                     [path](const FoundFile &one) { return one.file.path == *path && !one.at.empty(); });

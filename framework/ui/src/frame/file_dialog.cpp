@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "c3de/core/platform.h"
 #include "c3de/registry/number_text.h"
@@ -38,6 +39,7 @@ void FileDialog::openFolder() {
   std::error_code ignored;
   const auto recent = recentFolders_.find(request_.extensions);
   if (recent != recentFolders_.end() && browser_.open(recent->second)) return;
+  if (!firstFolder_.empty() && browser_.open(firstFolder_)) return;
   if (!browser_.folder().empty() && browser_.refresh()) return;
   if (!browser_.open(std::filesystem::current_path(ignored))) (void)browser_.open(std::filesystem::path("/"));
 }
@@ -60,7 +62,7 @@ void FileDialog::choose(const std::string &typed) {
     error_ = pathText(choice->path.filename()) + " already exists. Press Save again to replace it.";
     return;
   }
-  recentFolders_[request_.extensions] = choice->path.parent_path();
+  recentFolders_[request_.extensions] = usedFolder_ = choice->path.parent_path();
   isDone_ = true;
   if (request_.chosen) request_.chosen(choice->path, kUnits[unit_]);
 }
@@ -76,7 +78,7 @@ void FileDialog::chooseFolder() {
     }
     folder = choice->isFolder ? choice->path : choice->path.parent_path();
   }
-  recentFolders_[request_.extensions] = folder;
+  recentFolders_[request_.extensions] = usedFolder_ = folder;
   isDone_ = true;
   if (request_.chosen) request_.chosen(folder, kUnits[unit_]);
 }
@@ -92,11 +94,58 @@ void FileDialog::drawFolders(FrameContext &frame) {
   }
   markItem(frame, kArea, "home");
   ImGui::SameLine();
+  drawPlaces(frame);
   ImGui::AlignTextToFramePadding();
   const std::string folder = pathText(browser_.folder());
   ImGui::TextColored(colour::kDim, "%s", elided(folder, ImGui::GetContentRegionAvail().x).c_str());
   itemTooltip(frame, folder);
   frame.automation.value(kArea, "folder", folder);
+}
+
+void FileDialog::go(const std::string &folder) {
+  const auto opened = browser_.open(pathFromText(folder));
+  error_ = opened ? std::string() : opened.error().message;
+  if (opened) typed_[0] = '\0';
+}
+
+void FileDialog::drawPlaces(FrameContext &frame) {
+  const Preferences &preferences = frame.state.preferences;
+  const std::string here = pathText(browser_.folder());
+  std::string wanted;
+  const auto list = [&](const char *label, const char *id, const std::vector<std::string> &folders) {
+    ImGui::BeginDisabled(folders.empty());
+    const std::string popup = std::string("###places-") + id;
+    if (ImGui::Button(label)) ImGui::OpenPopup(popup.c_str());
+    ImGui::EndDisabled();
+    markOpener(frame, kArea, id, ImGui::IsPopupOpen(popup.c_str()), !folders.empty());
+    if (ImGui::BeginPopup(popup.c_str())) {
+      for (std::size_t i = 0; i < folders.size(); ++i) {
+        if (ImGui::Selectable((folders[i] + "###" + std::to_string(i)).c_str(), folders[i] == here))
+          wanted = folders[i];
+        markItem(frame, kArea, std::string(id) + "." + std::to_string(i));
+      }
+      ImGui::EndPopup();
+    }
+    ImGui::SameLine();
+  };
+  list("Recent", "recent", preferences.recentFolders);
+  list("Bookmarks", "bookmarks", preferences.bookmarks);
+  const auto mark = std::find(preferences.bookmarks.begin(), preferences.bookmarks.end(), here);
+  const bool isMarked = mark != preferences.bookmarks.end();
+  if (ImGui::Button(isMarked ? "−###bookmark" : "+###bookmark", ImVec2(ImGui::GetFrameHeight(), 0)) &&
+      frame.actions.preferences.change) {
+    Preferences changed = preferences;
+    if (isMarked)
+      std::erase(changed.bookmarks, here);
+    else
+      changed.bookmarks.push_back(here);
+    frame.actions.preferences.change(changed);
+  }
+  markItem(frame, kArea, "bookmark");
+  itemTooltip(frame, isMarked ? "Remove this folder from the bookmarks" : "Add this folder to the bookmarks");
+  frame.automation.value(kArea, "bookmarked", isMarked ? "true" : "false");
+  ImGui::SameLine();
+  if (!wanted.empty()) go(wanted);
 }
 
 void FileDialog::drawList(FrameContext &frame) {
@@ -105,7 +154,7 @@ void FileDialog::drawList(FrameContext &frame) {
   const float bottom = ImGui::GetFrameHeightWithSpacing() * (request_.asksMeshUnit ? 3.0f : 2.0f) +
                        (error_.empty() ? 0.0f : 2.0f * ImGui::GetTextLineHeightWithSpacing()) +
                        (request_.note.empty() ? 0.0f : ImGui::GetTextLineHeightWithSpacing()) + frame.theme.px(10.0f);
-  ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.105f, 0.118f, 0.141f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, colour::kChrome);
   ImGui::BeginChild("list", ImVec2(0, -bottom), true);
   for (const FileBrowser::Entry &entry : browser_.entries()) {
     ImGui::PushID(entry.name.c_str());
@@ -184,7 +233,7 @@ bool FileDialog::drawConfirm(FrameContext &frame) {
   const bool hasText = typed_[0] != '\0';
   const char *label = request_.isSaving ? "Save" : "Open";
   ImGui::BeginDisabled(!hasText);
-  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
   const bool isPressed = ImGui::Button(label, ImVec2(frame.theme.px(96.0f), 0));
   ImGui::PopStyleColor();
   markItem(frame, kArea, "open", hasText);
@@ -226,7 +275,8 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
   ImGui::SetNextWindowPos(ImVec2(0.5f * window.x, 0.5f * window.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
   bool keepsOpen = true;
-  if (!ImGui::BeginPopupModal(popup.c_str(), &keepsOpen, ImGuiWindowFlags_NoSavedSettings)) {
+  if (!ImGui::BeginPopupModal(popup.c_str(), &keepsOpen,
+                              ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNavInputs)) {
     isOpen_ = false;
     return;
   }
@@ -244,6 +294,12 @@ void FileDialog::draw(FrameContext &frame) {
       !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
   if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0') choose(typed_);
   const bool isCancelled = drawCancel(frame);
+  if (const std::string used = pathText(std::exchange(usedFolder_, {})); !used.empty()) {
+    Preferences changed = frame.state.preferences;
+    changed.addRecentFolder(used);
+    if (frame.actions.preferences.change && changed != frame.state.preferences)
+      frame.actions.preferences.change(changed);
+  }
   if (isDone_ || isCancelled || !keepsOpen) {
     ImGui::CloseCurrentPopup();
     isOpen_ = false;

@@ -35,6 +35,8 @@ class FileDialog {
   [[nodiscard]] bool isOpen() const { return isOpen_; }
   /// It has just opened, and the field does not have the keyboard focus yet: typed input is meant for it.
   [[nodiscard]] bool awaitsTyping() const { return isOpen_ && framesToFocus_ > 0; }
+  /// In which folder a dialog begins whose extensions have not been used yet; empty: that of the last dialog.
+  void setFirstFolder(std::filesystem::path folder) { firstFolder_ = std::move(folder); }
   void draw(FrameContext &frame);
 
  private:
@@ -43,6 +45,9 @@ class FileDialog {
   void chooseFolder();
   void drawList(FrameContext &frame);
   void drawFolders(FrameContext &frame);
+  /// Lists of bookmarks and recent folders.
+  void drawPlaces(FrameContext &frame);
+  void go(const std::string &folder);
   void drawError(FrameContext &frame);
   void drawUnit(FrameContext &frame);
   /// The field for the name. True if Enter was pressed in it.
@@ -54,6 +59,7 @@ class FileDialog {
   FileBrowser browser_;
   Request request_;
   std::map<std::string, std::filesystem::path> recentFolders_;  ///< by extensions
+  std::filesystem::path firstFolder_, usedFolder_;              ///< used: by the choice that has just been made
   std::string error_;
   std::filesystem::path toReplace_;  ///< the user has been asked about it
   char typed_[1024] = "";

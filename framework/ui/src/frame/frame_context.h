@@ -79,7 +79,18 @@ struct ReportDialog {
 struct CommandPalette {
   bool isShown = false;
   std::array<char, 128> words{};
-  std::size_t chosen = 0;  ///< among those that match
+  std::size_t chosen = 0;     ///< among those that match
+  bool isFieldLeft = false;   ///< the field is to get the keyboard again
+  bool placesCursor = false;  ///< behind its text
+};
+
+/// The dialog of the preferences.
+struct PreferencesDialog {
+  bool isShown = false, isFilled = false;  ///< filled: with what applies
+  Preferences edited;                      ///< fields that are being typed in; the rest applies at once
+  std::array<char, 1024> folder{};
+  std::vector<std::array<char, 128>> words;  ///< of the rules
+  std::string problem;                       ///< of the last entry
 };
 
 /// The dialog that saves a figure.
@@ -127,6 +138,10 @@ struct WindowState {
   StretchDialog stretch;
   ReportDialog report;
   CommandPalette palette;
+  Preferences preferences;
+  PreferencesDialog preferencesDialog;
+  std::string menuToOpen;     ///< by a key: the id of a menu of the menu bar
+  bool isMenuWanted = false;  ///< Alt is down, and nothing else has been pressed since
   FigureDialog figure;
   PlotStrip plots;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to

@@ -45,44 +45,65 @@ ImFont *loadFont(const std::string &file, float pixels) {
   return ImGui::GetIO().Fonts->AddFontFromFileTTF(file.c_str(), pixels, &config, kGlyphs);
 }
 
-void setColours(ImGuiStyle &style) {
+ImVec4 grey(float r, float g, float b, float a = 1.0f) { return {r, g, b, a}; }
+
+const Palette kDark{// clang-format off
+    .text = grey(0.87f, 0.89f, 0.92f), .dim = grey(0.56f, 0.61f, 0.68f), .disabled = grey(0.43f, 0.47f, 0.53f),
+    .accent = grey(0.29f, 0.66f, 0.74f), .accentMid = grey(0.24f, 0.52f, 0.59f), .good = grey(0.38f, 0.74f, 0.49f),
+    .warn = grey(0.91f, 0.69f, 0.29f), .error = grey(0.90f, 0.38f, 0.37f), .chrome = grey(0.105f, 0.118f, 0.141f),
+    .panel = grey(0.129f, 0.145f, 0.173f), .popup = grey(0.150f, 0.168f, 0.200f, 0.99f),
+    .line = grey(0.20f, 0.225f, 0.265f), .border = grey(0.26f, 0.29f, 0.34f), .field = grey(0.172f, 0.194f, 0.231f),
+    .fieldHovered = grey(0.215f, 0.243f, 0.289f), .fieldActive = grey(0.235f, 0.268f, 0.318f),
+    .button = grey(0.205f, 0.232f, 0.276f), .buttonHovered = grey(0.262f, 0.297f, 0.353f),
+    .header = grey(0.175f, 0.200f, 0.240f), .primary = grey(0.20f, 0.42f, 0.48f),
+    .primaryHovered = grey(0.24f, 0.49f, 0.55f), .filled = grey(0.18f, 0.37f, 0.42f),
+    .filledHovered = grey(0.20f, 0.43f, 0.49f), .scroll = grey(0.28f, 0.31f, 0.37f),
+    .scrollHovered = grey(0.36f, 0.40f, 0.47f), .selectedText = grey(0.20f, 0.42f, 0.48f, 0.8f),
+    .dimmed = grey(0.02f, 0.025f, 0.03f, 0.6f)};
+const Palette kLight{
+    .text = grey(0.10f, 0.12f, 0.15f), .dim = grey(0.34f, 0.38f, 0.44f), .disabled = grey(0.52f, 0.55f, 0.60f),
+    .accent = grey(0.03f, 0.42f, 0.50f), .accentMid = grey(0.22f, 0.56f, 0.63f), .good = grey(0.10f, 0.48f, 0.22f),
+    .warn = grey(0.62f, 0.38f, 0.00f), .error = grey(0.75f, 0.13f, 0.13f), .chrome = grey(0.875f, 0.885f, 0.905f),
+    .panel = grey(0.945f, 0.950f, 0.960f), .popup = grey(0.985f, 0.987f, 0.990f, 0.99f),
+    .line = grey(0.76f, 0.78f, 0.81f), .border = grey(0.70f, 0.72f, 0.76f), .field = grey(1.0f, 1.0f, 1.0f),
+    .fieldHovered = grey(0.89f, 0.92f, 0.95f), .fieldActive = grey(0.84f, 0.89f, 0.93f),
+    .button = grey(0.835f, 0.850f, 0.875f), .buttonHovered = grey(0.77f, 0.79f, 0.83f),
+    .header = grey(0.86f, 0.875f, 0.90f), .primary = grey(0.60f, 0.82f, 0.86f),
+    .primaryHovered = grey(0.52f, 0.77f, 0.82f), .filled = grey(0.66f, 0.85f, 0.89f),
+    .filledHovered = grey(0.58f, 0.80f, 0.85f), .scroll = grey(0.70f, 0.72f, 0.76f),
+    .scrollHovered = grey(0.58f, 0.61f, 0.66f), .selectedText = grey(0.55f, 0.79f, 0.85f, 0.8f),
+    .dimmed = grey(0.20f, 0.22f, 0.25f, 0.45f)};
+// clang-format on
+
+void setColours(ImGuiStyle &style, const Palette &palette) {
   ImVec4 *c = style.Colors;
-  const ImVec4 field{0.172f, 0.194f, 0.231f, 1.0f}, hovered{0.215f, 0.243f, 0.289f, 1.0f};
-  const ImVec4 accentDim{0.20f, 0.42f, 0.48f, 1.0f}, accentMid{0.24f, 0.52f, 0.59f, 1.0f};
-  c[ImGuiCol_Text] = colour::kText;
-  c[ImGuiCol_TextDisabled] = ImVec4(0.43f, 0.47f, 0.53f, 1.0f);
-  c[ImGuiCol_WindowBg] = colour::kPanel;
-  c[ImGuiCol_ChildBg] = ImVec4(0, 0, 0, 0);
-  c[ImGuiCol_PopupBg] = ImVec4(0.150f, 0.168f, 0.200f, 0.99f);
-  c[ImGuiCol_Border] = ImVec4(0.26f, 0.29f, 0.34f, 1.0f);
-  c[ImGuiCol_FrameBg] = field;
-  c[ImGuiCol_FrameBgHovered] = hovered;
-  c[ImGuiCol_FrameBgActive] = ImVec4(0.235f, 0.268f, 0.318f, 1.0f);
-  c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = c[ImGuiCol_TitleBgCollapsed] = colour::kChrome;
-  c[ImGuiCol_MenuBarBg] = colour::kChrome;
-  c[ImGuiCol_ScrollbarBg] = ImVec4(0, 0, 0, 0);
-  c[ImGuiCol_ScrollbarGrab] = ImVec4(0.28f, 0.31f, 0.37f, 1.0f);
-  c[ImGuiCol_ScrollbarGrabHovered] = ImVec4(0.36f, 0.40f, 0.47f, 1.0f);
-  c[ImGuiCol_ScrollbarGrabActive] = accentMid;
-  c[ImGuiCol_CheckMark] = colour::kAccent;
-  c[ImGuiCol_SliderGrab] = accentMid;
-  c[ImGuiCol_SliderGrabActive] = colour::kAccent;
-  c[ImGuiCol_Button] = ImVec4(0.205f, 0.232f, 0.276f, 1.0f);
-  c[ImGuiCol_ButtonHovered] = ImVec4(0.262f, 0.297f, 0.353f, 1.0f);
-  c[ImGuiCol_ButtonActive] = accentDim;
-  c[ImGuiCol_Header] = ImVec4(0.175f, 0.200f, 0.240f, 1.0f);
-  c[ImGuiCol_HeaderHovered] = hovered;
-  c[ImGuiCol_HeaderActive] = accentDim;
-  c[ImGuiCol_Separator] = colour::kLine;
-  c[ImGuiCol_SeparatorHovered] = accentMid;
-  c[ImGuiCol_SeparatorActive] = colour::kAccent;
-  c[ImGuiCol_ResizeGrip] = ImVec4(0.28f, 0.31f, 0.37f, 0.6f);
-  c[ImGuiCol_ResizeGripHovered] = accentMid;
-  c[ImGuiCol_ResizeGripActive] = colour::kAccent;
-  c[ImGuiCol_PlotHistogram] = accentMid;
-  c[ImGuiCol_TextSelectedBg] = ImVec4(0.20f, 0.42f, 0.48f, 0.8f);
-  c[ImGuiCol_ModalWindowDimBg] = ImVec4(0.02f, 0.025f, 0.03f, 0.6f);
-  c[ImGuiCol_NavHighlight] = colour::kAccent;
+  const ImVec4 kNone{0, 0, 0, 0};
+  c[ImGuiCol_Text] = palette.text;
+  c[ImGuiCol_TextDisabled] = palette.disabled;
+  c[ImGuiCol_WindowBg] = palette.panel;
+  c[ImGuiCol_ChildBg] = c[ImGuiCol_ScrollbarBg] = kNone;
+  c[ImGuiCol_PopupBg] = palette.popup;
+  c[ImGuiCol_Border] = palette.border;
+  c[ImGuiCol_FrameBg] = palette.field;
+  c[ImGuiCol_FrameBgHovered] = c[ImGuiCol_HeaderHovered] = palette.fieldHovered;
+  c[ImGuiCol_FrameBgActive] = palette.fieldActive;
+  c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = c[ImGuiCol_TitleBgCollapsed] = palette.chrome;
+  c[ImGuiCol_MenuBarBg] = palette.chrome;
+  c[ImGuiCol_ScrollbarGrab] = palette.scroll;
+  c[ImGuiCol_ScrollbarGrabHovered] = palette.scrollHovered;
+  c[ImGuiCol_CheckMark] = c[ImGuiCol_SliderGrabActive] = c[ImGuiCol_SeparatorActive] = palette.accent;
+  c[ImGuiCol_ScrollbarGrabActive] = c[ImGuiCol_SliderGrab] = c[ImGuiCol_SeparatorHovered] = palette.accentMid;
+  c[ImGuiCol_Button] = palette.button;
+  c[ImGuiCol_ButtonHovered] = palette.buttonHovered;
+  c[ImGuiCol_ButtonActive] = c[ImGuiCol_HeaderActive] = palette.primary;
+  c[ImGuiCol_Header] = palette.header;
+  c[ImGuiCol_Separator] = palette.line;
+  c[ImGuiCol_ResizeGrip] = palette.scroll;
+  c[ImGuiCol_ResizeGrip].w = 0.6f;
+  c[ImGuiCol_ResizeGripHovered] = c[ImGuiCol_PlotHistogram] = palette.accentMid;
+  c[ImGuiCol_ResizeGripActive] = c[ImGuiCol_NavHighlight] = palette.accent;
+  c[ImGuiCol_TextSelectedBg] = palette.selectedText;
+  c[ImGuiCol_ModalWindowDimBg] = palette.dimmed;
 }
 
 }  // namespace
@@ -91,9 +112,19 @@ bool Theme::hasGlyph(unsigned character) const {
   return regular && regular->FindGlyphNoFallback(static_cast<ImWchar>(character)) != nullptr;
 }
 
-Theme applyTheme(float contentScale) {
+const Palette &paletteOf(ThemeKind kind) { return kind == ThemeKind::light ? kLight : kDark; }
+
+colour::Role::operator ImVec4() const {
+  const auto *palette = static_cast<const Palette *>(ImGui::GetIO().UserData);
+  return (palette ? *palette : kDark).*of;
+}
+
+Theme applyTheme(float contentScale, ThemeKind kind, double fontSize_px) {
   Theme theme;
+  theme.kind = kind;
   theme.scale = std::isfinite(contentScale) ? std::clamp(contentScale, 0.75f, 4.0f) : 1.0f;
+  theme.scale *= static_cast<float>(fontSize_px / Preferences::kUsualFont);
+  ImGui::GetIO().UserData = const_cast<Palette *>(&paletteOf(kind));  // only read
 
   const float pixels = std::round(theme.px(14.0f));
   const std::string regular = findFont({"DejaVuSans.ttf", "segoeui.ttf"});
@@ -111,8 +142,8 @@ Theme applyTheme(float contentScale) {
   if (!theme.small) theme.small = theme.regular;
 
   ImGuiStyle style;
-  ImGui::StyleColorsDark(&style);
-  setColours(style);
+  kind == ThemeKind::light ? ImGui::StyleColorsLight(&style) : ImGui::StyleColorsDark(&style);
+  setColours(style, paletteOf(kind));
   style.WindowPadding = ImVec2(10, 8);
   style.FramePadding = ImVec2(8, 4);
   style.ItemSpacing = ImVec2(8, 6);

@@ -5,33 +5,47 @@
 
 #include <string>
 
+#include "c3de/ui/preferences.h"
+
 namespace c3de::ui {
 
-/// Colours that are not part of the widget style.
+/// All colours of a theme.
+struct Palette {
+  ImVec4 text, dim, disabled, accent, accentMid, good, warn, error;
+  ImVec4 chrome, panel, popup, line, border;
+  ImVec4 field, fieldHovered, fieldActive, button, buttonHovered, header;
+  ImVec4 primary, primaryHovered;  ///< buttons that do what a dialog is for, and what is switched on
+  ImVec4 filled, filledHovered;    ///< part of a slider up to its value
+  ImVec4 scroll, scrollHovered, selectedText, dimmed;
+};
+[[nodiscard]] const Palette &paletteOf(ThemeKind kind);
+
+/// Colours of the theme of the current ImGui context. Views stay dark in every theme: they use those of ThemeKind::dark.
 namespace colour {
-inline const ImVec4 kText{0.87f, 0.89f, 0.92f, 1.0f};
-inline const ImVec4 kDim{0.56f, 0.61f, 0.68f, 1.0f};
-inline const ImVec4 kAccent{0.29f, 0.66f, 0.74f, 1.0f};
-inline const ImVec4 kGood{0.38f, 0.74f, 0.49f, 1.0f};
-inline const ImVec4 kWarn{0.91f, 0.69f, 0.29f, 1.0f};
-inline const ImVec4 kError{0.90f, 0.38f, 0.37f, 1.0f};
-inline const ImVec4 kChrome{0.105f, 0.118f, 0.141f, 1.0f};
-inline const ImVec4 kPanel{0.129f, 0.145f, 0.173f, 1.0f};
-inline const ImVec4 kLine{0.20f, 0.225f, 0.265f, 1.0f};
+struct Role {
+  ImVec4 Palette::*of;
+  operator ImVec4() const;
+};
+inline constexpr Role kText{&Palette::text}, kDim{&Palette::dim}, kAccent{&Palette::accent}, kGood{&Palette::good},
+    kWarn{&Palette::warn}, kError{&Palette::error}, kChrome{&Palette::chrome}, kPanel{&Palette::panel},
+    kLine{&Palette::line}, kPrimary{&Palette::primary}, kPrimaryHovered{&Palette::primaryHovered},
+    kAccentMid{&Palette::accentMid}, kFilled{&Palette::filled}, kFilledHovered{&Palette::filledHovered};
 }  // namespace colour
 
 struct Theme {
   ImFont *regular = nullptr, *bold = nullptr, *small = nullptr;
-  float scale = 1.0f;  ///< of the monitor
-  std::string note;    ///< missing fonts or glyphs, for the log; empty if nothing is missing
+  float scale = 1.0f;  ///< of the monitor, times that of the font size
+  ThemeKind kind = ThemeKind::dark;
+  std::string note;  ///< missing fonts or glyphs, for the log; empty if nothing is missing
 
   [[nodiscard]] float px(float logical) const { return logical * scale; }
   [[nodiscard]] bool hasGlyph(unsigned character) const;
 };
 
-/// Fonts of the system (DejaVu Sans or Segoe UI) and the program's dark colours, sized for the monitor.
+/// Fonts of the system (DejaVu Sans or Segoe UI) and the colours of a theme, sized for the monitor and the font size.
 /// Needs a current ImGui context whose font atlas is not built yet.
-[[nodiscard]] Theme applyTheme(float contentScale);
+[[nodiscard]] Theme applyTheme(float contentScale, ThemeKind kind = ThemeKind::dark,
+                               double fontSize_px = Preferences::kUsualFont);
 
 /// Small icons for buttons, drawn so that no icon font is needed.
 enum class Icon { play, pause, step, reset, stop, close, toStart, toEnd };

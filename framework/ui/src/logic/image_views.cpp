@@ -41,19 +41,25 @@ const char *paneName(Pane pane) {
 }
 
 std::string Readout::placeText() const {
-  const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
-  std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
-  if (isEmptied) return text + "   vacated by a body";
-  if (!index) return text;
-  text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
-  if (!unit.empty()) text += " " + unit;
-  if (!label.empty()) text += "   " + label;
+  const auto number = [&](double v) {
+    const double shown = std::abs(v) < 0.05 ? 0.0 : v * length.factor;
+    return fmt::format("{:.{}f}", shown, length.factor < 1.0 ? 2 : 1);
+  };
+  std::string text = "LPS " + number(world[0]) + ", " + number(world[1]) + ", " + number(world[2]) + " " + length.name;
+  if (isEmptied) {
+    text += "   vacated by a body";
+  } else if (index) {
+    text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
+    if (!unit.empty()) text += " " + unit;
+    if (!label.empty()) text += "   " + label;
+  }
+  if (second) text += fmt::format("   second {:.6g}{}{}", *second, secondUnit.empty() ? "" : " ", secondUnit);
   return text;
 }
 
 std::string Readout::tissueText() const {
   if (isEmptied || !index || !shift) return {};
-  std::string text = fmt::format("|u| {:.2f} mm", *shift);
+  std::string text = fmt::format("|u| {:.{}f} {}", *shift * length.factor, length.factor < 1.0 ? 3 : 2, length.name);
   if (volumeRatio) text += fmt::format("   det F {:.3f}", *volumeRatio);
   if (field)
     text += fmt::format("   {} {:.3g}{}{}", fieldQuantity.title, fieldQuantity.shown(*field),
@@ -95,6 +101,16 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   for (const Pane pane : kSlicePanes) view(pane).setGrid(image_->volume.geometry);
   applyFrames();
   resetViews();
+}
+
+void ImageViews::setUnits(const DisplayUnits &units) {
+  const Quantity before = overlayQuantity();
+  units_ = units;
+  const Quantity after = overlayQuantity();
+  for (double *bound : {&options_.fixedRange.low, &options_.fixedRange.high})
+    *bound = after.shown(before.value(*bound));
+  steadyRange_.forget();
+  followRange();
 }
 
 void ImageViews::replaceImage(std::shared_ptr<const scene::StoredImage> image, Handle handle) {
@@ -143,7 +159,7 @@ Quantity ImageViews::overlayQuantity() const {
   std::string unit;
   for (const auto &[name, ofIt] : offered_)
     if (name == options_.overlayField) unit = ofIt;
-  return quantityOf(options_.overlay, options_.overlayField, unit);
+  return quantityOf(options_.overlay, options_.overlayField, unit, units_);
 }
 
 OverlayRange ImageViews::overlayRange() const {
@@ -151,15 +167,15 @@ OverlayRange ImageViews::overlayRange() const {
 }
 
 void ImageViews::followRange() {
+  const Quantity quantity = overlayQuantity();
   if (options_.overlay == Overlay::shift && displacement_) {
     double squared = 0.0;
     for (std::size_t i = 0; i + 2 < displacement_->xyz_mm.size(); i += 3) {
       const float *u = &displacement_->xyz_mm[i];
       squared = std::max(squared, static_cast<double>(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
     }
-    steadyRange_.follow(0.0, std::sqrt(squared), false, kMinShift_mm);
+    steadyRange_.follow(0.0, quantity.shown(std::sqrt(squared)), false, quantity.shown(kMinShift_mm));
   } else if (const imaging::TissueField *field = shownField()) {
-    const Quantity quantity = overlayQuantity();
     const bool isChange = options_.overlay == Overlay::volumeChange;
     steadyRange_.follow(quantity.shown(field->low), quantity.shown(field->high), isChange,
                         isChange ? kMinChange_percent : kMinField);
@@ -353,8 +369,18 @@ bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
 }
 
 Readout ImageViews::readout(const Vec3 &world) const {
+  Readout readout = readoutOfImage(world);
+  if (isCompared()) {
+    readout.second = comparison_->valueAt(world);
+    readout.secondUnit = comparison_->image()->volume.unit;
+  }
+  return readout;
+}
+
+Readout ImageViews::readoutOfImage(const Vec3 &world) const {
   Readout readout;
   readout.world = world;
+  readout.length = displayUnit(units_, "mm");
   if (!image_) return readout;
   Vec3 material = world;
   if (const imaging::DisplacementGrid *warp = this->warp()) {
@@ -369,7 +395,7 @@ Readout ImageViews::readout(const Vec3 &world) const {
         readout.volumeRatio = value;
       } else {
         readout.field = value;
-        readout.fieldQuantity = quantityOf(Overlay::field, field.name, field.unit);
+        readout.fieldQuantity = quantityOf(Overlay::field, field.name, field.unit, units_);
       }
     }
   }
@@ -396,6 +422,7 @@ render::ImageDisplay ImageViews::look() const {
   look.bodies = handles_.bodies;
   look.hasFixedRegions = warp() && warp()->hasFixedRegions;
   look.missing = handles_.missing;
+  if (isCompared()) look.comparison = comparison_->look();
   look.leastGap = warp() ? warp()->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;
@@ -421,7 +448,7 @@ render::ImageScene ImageViews::scene() const {
     for (const Pane pane : kSlicePanes) {
       const SliceView &v = view(pane);
       scene.slices.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), v.frame().forward,
-                              kPaneColours[static_cast<std::size_t>(pane)]});
+                              kPaneColours[static_cast<std::size_t>(pane)], v.frame().right});
     }
   for (const Pane pane : kSlicePanes) {
     const SliceCut cut = options_.cuts[static_cast<std::size_t>(pane)];

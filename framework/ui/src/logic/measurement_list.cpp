@@ -18,7 +18,13 @@ namespace {
 
 constexpr double kNotMoved_mm = 1e-3;
 
-std::string number(const std::optional<double> &value) { return value ? fmt::format("{:.1f}", *value) : "–"; }
+/// One digit after the point for mm and degrees, two for cm.
+std::string numberText(const MeasurementRow &row, const std::optional<double> &value, bool hasSign = false) {
+  if (!value) return "–";
+  const int decimals = row.kind != MeasureKind::angle && row.length.factor < 1.0 ? 2 : 1;
+  return hasSign ? fmt::format("{:+.{}f}", row.shown(*value), decimals)
+                 : fmt::format("{:.{}f}", row.shown(*value), decimals);
+}
 
 }  // namespace
 
@@ -88,17 +94,17 @@ void MeasurementSet::mergeScene(const MeasurementSet &scene) {
       measures.push_back(one);
 }
 
-std::string MeasurementRow::referenceText() const { return number(reference); }
-std::string MeasurementRow::nowText() const { return number(now); }
+std::string MeasurementRow::referenceText() const { return numberText(*this, reference); }
+std::string MeasurementRow::nowText() const { return numberText(*this, now); }
 
 std::string MeasurementRow::changeText() const {
-  return reference && now ? fmt::format("{:+.1f}", *now - *reference) : "–";
+  return numberText(*this, reference && now ? std::optional(*now - *reference) : std::nullopt, true);
 }
 
 std::string MeasurementRow::label() const {
   const std::string space = kind == MeasureKind::angle ? "" : " ";
   const bool isSame = reference && now && std::abs(*now - *reference) < kNotMoved_mm;
-  if (kind == MeasureKind::landmark) return isSame || !now ? std::string() : nowText() + " mm";
+  if (kind == MeasureKind::landmark) return isSame || !now ? std::string() : nowText() + " " + unit();
   return (isSame ? nowText() : referenceText() + " → " + nowText()) + space + unit();
 }
 
@@ -205,7 +211,7 @@ std::optional<double> MeasurementList::valueOf(const std::string &name,
 MeasurementRow MeasurementList::rowOf(const std::string &name, MeasureKind kind, bool isHidden) const {
   std::map<std::string, Vec3> at_mm;
   for (const MeasuredPoint &one : set_.points) at_mm[one.name] = positionOf(one);
-  MeasurementRow row{name, kind, isHidden, valueOf(name, nullptr), valueOf(name, &at_mm), {}};
+  MeasurementRow row{name, kind, isHidden, valueOf(name, nullptr), valueOf(name, &at_mm), {}, length_};
   if (const MeasuredPoint *point = set_.point(name); point && point->target_mm)
     row.error_mm = {norm(point->reference_mm - *point->target_mm), norm(positionOf(*point) - *point->target_mm)};
   return row;
@@ -254,10 +260,13 @@ std::vector<CurvePoint2> MeasurementList::curve(const std::string &name) const {
 }
 
 std::string MeasurementList::tableCsv() const {
-  std::string text = "name,kind,unit,at rest,now,change,error at rest [mm],error now [mm]\n";
-  const auto cell = [](const std::optional<double> &value) { return value ? fmt::format("{:.6g}", *value) : ""; };
+  std::string text =
+      "name,kind,unit,at rest,now,change,error at rest [" + length_.name + "],error now [" + length_.name + "]\n";
   for (const MeasurementRow &row : rows()) {
-    const std::string unit = row.kind == MeasureKind::angle ? "degrees" : "mm";
+    const auto cell = [&](const std::optional<double> &value) {
+      return value ? fmt::format("{:.6g}", row.shown(*value)) : std::string();
+    };
+    const std::string unit = row.kind == MeasureKind::angle ? "degrees" : length_.name;
     std::optional<double> change;
     if (row.reference && row.now) change = *row.now - *row.reference;
     text += fmt::format("{},{},{},{},{},{},{},{}\n", csvCell(row.name),
@@ -275,14 +284,14 @@ std::string MeasurementList::curvesCsv() const {
   const std::vector<MeasurementRow> all = rows();
   for (const MeasurementRow &row : all)
     text += ',' + csvCell(row.name + (row.kind == MeasureKind::angle      ? " [degrees]"
-                                      : row.kind == MeasureKind::landmark ? " displacement [mm]"
-                                                                          : " [mm]"));
+                                      : row.kind == MeasureKind::landmark ? " displacement [" + length_.name + "]"
+                                                                          : " [" + length_.name + "]"));
   text += '\n';
   for (const Sample &sample : samples_) {
     text += fmt::format("{:.9g}", sample.time_s);
     for (const MeasurementRow &row : all) {
       const auto value = valueOf(row.name, &sample.at_mm);
-      text += value ? fmt::format(",{:.9g}", *value) : ",";
+      text += value ? fmt::format(",{:.9g}", row.shown(*value)) : ",";
     }
     text += '\n';
   }

@@ -30,6 +30,7 @@ struct OsEvent {
   std::uint32_t key = 0;                    ///< of keyDown: ASCII upper case or ui::Key; 0: another key
   bool isRepeat = false;
   Role role = Role::other;
+  bool isAlt = false;                              ///< the left Alt key
   int rawKey = 0, scanCode = 0, rawModifiers = 0;  ///< of GLFW
   unsigned character = 0;
   double x = 0.0, y = 0.0, wheelX = 0.0, wheel = 0.0, time_s = 0.0;

@@ -23,15 +23,19 @@ constexpr std::array kShownUnits{ShownUnit{"Pa", "kPa", 1e-3}, ShownUnit{"m", "m
 
 }  // namespace
 
-Quantity quantityOf(Overlay overlay, const std::string &name, const std::string &unit) {
+Quantity quantityOf(Overlay overlay, const std::string &name, const std::string &unit, const DisplayUnits &units) {
   if (overlay == Overlay::none) return {};
-  if (overlay == Overlay::shift) return {"|u|", "mm"};
-  if (overlay == Overlay::volumeChange) return {"volume change", "%", 100.0, -100.0};
   Quantity quantity{name, unit};
-  if (name == C3DE_SIM_FIELD_EQUIVALENT_STRESS) quantity.title = "equivalent stress";
+  if (overlay == Overlay::shift) quantity = {"|u|", "mm"};
+  if (overlay == Overlay::volumeChange) return {"volume change", "%", 100.0, -100.0};
+  if (overlay == Overlay::field && name == C3DE_SIM_FIELD_EQUIVALENT_STRESS) quantity.title = "equivalent stress";
   std::replace(quantity.title.begin(), quantity.title.end(), '_', ' ');
-  for (const ShownUnit &one : kShownUnits)
-    if (unit == one.si) quantity.unit = one.shown, quantity.factor = one.factor;
+  if (overlay == Overlay::field)
+    for (const ShownUnit &one : kShownUnits)
+      if (unit == one.si) quantity.unit = one.shown, quantity.factor = one.factor;
+  const DisplayUnit shown = displayUnit(units, quantity.unit);
+  quantity.unit = shown.name;
+  quantity.factor *= shown.factor;
   return quantity;
 }
 

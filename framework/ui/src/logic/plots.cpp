@@ -39,7 +39,26 @@ void addPoint(PlotList::Series &series, const PlotPoint &point) {
   points.push_back(point);
 }
 
+/// The description of a series in the unit in which it is shown.
+PlotValue inUnitOf(const DisplayUnit &shown, PlotValue value) {
+  value.unit = shown.name;
+  value.value *= shown.factor;
+  if (value.limit) *value.limit *= shown.factor;
+  return value;
+}
+
 }  // namespace
+
+void PlotList::setUnits(const DisplayUnits &units) {
+  units_ = units;
+  for (Series &series : series_) {
+    const DisplayUnit shown = displayUnit(units, series.declaredUnit);
+    const double change = shown.factor / series.factor;
+    series.factor = shown.factor;
+    series.last = inUnitOf({shown.name, change}, series.last);
+    for (PlotPoint &point : series.points) point.value *= change;
+  }
+}
 
 std::optional<double> PlotList::Series::valueAt(double time_s) const {
   const auto after = std::upper_bound(points.begin(), points.end(), time_s,
@@ -59,8 +78,13 @@ PlotList::Series *PlotList::findOrAdd(const PlotValue &value, int source) {
   if (series_.size() >= kMaxSeries) std::erase_if(series_, [](const Series &series) { return series.points.empty(); });
   if (series_.size() >= kMaxSeries) return nullptr;
   const auto chosen = chosen_.find(value.id);
-  series_.push_back({value, chosen == chosen_.end() ? value.isShownAtFirst : chosen->second, source});
-  return &series_.back();
+  Series &series =
+      series_.emplace_back(Series{value, chosen == chosen_.end() ? value.isShownAtFirst : chosen->second, source});
+  const DisplayUnit shown = displayUnit(units_, value.unit);
+  series.last = inUnitOf(shown, value);
+  series.declaredUnit = value.unit;
+  series.factor = shown.factor;
+  return &series;
 }
 
 void PlotList::add(double time_s, const std::vector<PlotValue> &values, int source) {
@@ -74,15 +98,19 @@ void PlotList::add(double time_s, const std::vector<PlotValue> &values, int sour
     if (!std::isfinite(value.value)) continue;
     Series *series = findOrAdd(value, source);
     if (!series) continue;
-    series->last = value;
-    addPoint(*series, {time_s, value.value});
+    // A quantity may change its unit, for example after another scene was opened.
+    const DisplayUnit shown = displayUnit(units_, value.unit);
+    series->last = inUnitOf(shown, value);
+    series->declaredUnit = value.unit;
+    series->factor = shown.factor;
+    addPoint(*series, {time_s, series->last.value});
   }
 }
 
 void PlotList::addPast(const PlotValue &value, const std::vector<PlotPoint> &points, int source) {
   Series *series = findOrAdd(value, source);
   if (!series || !series->points.empty()) return;
-  for (const PlotPoint &point : points) addPoint(*series, point);
+  for (const PlotPoint &point : points) addPoint(*series, {point.time_s, point.value * series->factor});
 }
 
 void PlotList::keepOnly(int source, const std::vector<std::string> &ids) {

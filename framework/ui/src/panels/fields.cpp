@@ -62,9 +62,7 @@ void pushBar(float fraction) {
   list->AddRectFilled(min, max, ImGui::GetColorU32(isHovered ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg), rounding);
   if (fraction > 0.0f) {
     list->PushClipRect(min, ImVec2(edge, max.y), true);
-    list->AddRectFilled(
-        min, max, ImGui::GetColorU32(isHovered ? ImVec4(0.20f, 0.43f, 0.49f, 1.0f) : ImVec4(0.18f, 0.37f, 0.42f, 1.0f)),
-        rounding);
+    list->AddRectFilled(min, max, ImGui::GetColorU32(isHovered ? colour::kFilledHovered : colour::kFilled), rounding);
     list->PopClipRect();
     list->AddRectFilled(ImVec2(edge - 2.0f, min.y + 1.0f), ImVec2(edge, max.y - 1.0f),
                         ImGui::GetColorU32(colour::kAccent), 1.0f);

@@ -325,7 +325,7 @@ void ImGuiPanels::drawHeading(const std::string &headingText) {
 }
 
 void ImGuiPanels::value(c3de_str name, c3de_str shown) {
-  const std::string nameText = text(name), valueText = plainText(shown);
+  const std::string nameText = text(name), valueText = shownText(frame_->state.preferences.units, plainText(shown));
   if (!isDrawn("=" + nameText, nameText)) return;
   frame_->automation.value(area_, nameText, valueText);
   takeSameLine("=" + nameText);

@@ -31,10 +31,12 @@ void ImGuiPanels::parameterRow(Handle handle, const ParameterDecl &decl, const P
   // Within a disabled block nothing can be enabled.
   const bool isFree = isOfTheView(decl.id);
   if (isFree) ImGui::EndDisabled();
-  const auto changed = parameterField(*frame_, area_, state, shownDeclaration(decl), shownValue(decl, value), false);
+  const DisplayUnits &units = frame_->state.preferences.units;
+  const auto changed =
+      parameterField(*frame_, area_, state, shownDeclaration(decl, units), shownValue(decl, value, units), false);
   if (isFree) ImGui::BeginDisabled(isLocked_);
   if (!changed) return;
-  auto done = frame_->services.parameters->edit(handle, declaredValue(decl, *changed));
+  auto done = frame_->services.parameters->edit(handle, declaredValue(decl, *changed, units));
   state.error = done ? std::string() : done.error().message;
 }
 

@@ -112,7 +112,9 @@ void drawAll(const MarkView &view) {
     drawLine(view, pending.back().at_mm, *follower, kSelected);
     if (pending.size() == 1)
       if (const auto at = view.pixelOf(*follower))
-        label(view, *at, kSelected, fmt::format("{:.1f} mm", norm(*follower - pending.back().at_mm)));
+        label(view, *at, kSelected,
+              shownText({list->length().name == "cm" ? DisplayUnits::Length::cm : DisplayUnits::Length::mm, {}, {}},
+                        fmt::format("{:.1f} mm", norm(*follower - pending.back().at_mm))));
   }
 }
 

@@ -275,11 +275,18 @@ void drawTexts(const SliceCanvas &canvas) {
   const std::string windowLevel =
       fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
   textOnBackground(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
-  if (options.isWindowLevelMode)
-    shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
+  float next = r.y + edge + 2 * line;
+  const std::string second = canvas.images.isCompared() ? canvas.images.comparison()->text() : std::string();
+  if (!second.empty()) {
+    textOnBackground(canvas.list, ImVec2(r.x + edge, next), kInk, elided("over it: " + second, r.w - 2 * edge));
+    next += line;
+  }
+  if (options.isWindowLevelMode) {
+    shadowed(canvas.list, ImVec2(r.x + edge, next), kLetter, "drag: window/level");
+    next += line;
+  }
   if (canvas.images.isPicking())
-    shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
-             "click: this part (Esc: none)");
+    shadowed(canvas.list, ImVec2(r.x + edge, next), kLetter, "click: this part (Esc: none)");
   // Position under the mouse, otherwise the cross-hair.
   const bool isHere = r.contains(canvas.frame.mouseX, canvas.frame.mouseY);
   const Vec3 world =
@@ -288,7 +295,8 @@ void drawTexts(const SliceCanvas &canvas) {
   float y = r.y + r.h - edge - canvas.readoutHeight();
   for (const std::string &text : {readout.placeText(), readout.tissueText()}) {
     if (!text.empty())
-      textOnBackground(canvas.list, ImVec2(r.x + edge, y), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
+      textOnBackground(canvas.list, ImVec2(r.x + edge, y),
+                       isHere ? kInk : ImGui::GetColorU32(paletteOf(ThemeKind::dark).dim),
                        elided(text, r.w - 2 * edge));
     y += line;
   }
@@ -368,6 +376,17 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
                    images->handles().preview.isNull() ? "none"
                    : options.showsPreview             ? "shown"
                                                       : "hidden");
+  const Comparison *second = images->comparison();
+  automation.value("comparison", "name", second && second->image() ? second->image()->name : "none");
+  if (images->isCompared()) {
+    const geometry::RigidPose &pose = second->pose();
+    const auto text = [](const Vec3 &v) { return fmt::format("{:.6f} {:.6f} {:.6f}", v[0], v[1], v[2]); };
+    automation.value("comparison", "translation_mm", text(pose.translation_mm));
+    automation.value("comparison", "rotation_deg", text(pose.rotation_deg));
+    automation.value("comparison", "text", second->text());
+    automation.value("comparison", "mean_mm",
+                     second->alignment() ? fmt::format("{:.9g}", second->alignment()->mean_mm) : std::string("none"));
+  }
   automation.value("image", "picking", images->isPicking() ? "on" : "off");
   automation.value("image", "layout", images->maximised() ? paneName(*images->maximised()) : "four");
 }

@@ -33,7 +33,8 @@ void ViewCache::draw(render::Renderer &renderer, const ImageViews *images, const
   picture_.paint([&] {
     if (isNew) {
       glDisable(GL_SCISSOR_TEST);
-      glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
+      const ImVec4 &between = paletteOf(ThemeKind::dark).chrome;
+      glClearColor(between.x, between.y, between.z, 1.0f);
       glClear(GL_COLOR_BUFFER_BIT);
     }
     drawWhatChanged(renderer, images, camera);

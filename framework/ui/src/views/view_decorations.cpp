@@ -11,7 +11,7 @@ namespace c3de::ui {
 namespace {
 
 ImU32 inkOf(const FrameContext &frame) {
-  return frame.isLight() ? IM_COL32(20, 23, 28, 255) : ImGui::GetColorU32(colour::kText);
+  return frame.isLight() ? IM_COL32(20, 23, 28, 255) : ImGui::GetColorU32(paletteOf(ThemeKind::dark).text);
 }
 
 void drawAxes(const FrameContext &frame, ImDrawList *list) {

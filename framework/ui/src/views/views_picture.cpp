@@ -264,7 +264,8 @@ Expected<render::Image> pictureOfPlots(const PlotList &plots, const FigureSettin
   {
     const FrameWithoutWindow::Use use(frame);
     ImDrawList *list = ImGui::GetBackgroundDrawList();
-    list->AddRectFilled(ImVec2(0, 0), all, settings.isLight ? IM_COL32_WHITE : ImGui::GetColorU32(colour::kPanel));
+    list->AddRectFilled(ImVec2(0, 0), all,
+                        settings.isLight ? IM_COL32_WHITE : ImGui::GetColorU32(paletteOf(ThemeKind::dark).panel));
     ImGui::PushFont(frame.theme().small);
     (void)drawPlots(list, {6.0f, 4.0f, all.x - 12.0f, all.y - 8.0f}, plots, {now_s, std::nullopt, settings.isLight});
     ImGui::PopFont();

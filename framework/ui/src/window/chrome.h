@@ -59,12 +59,16 @@ void drawPlotStrip(FrameContext &frame, const PixelRect &area);
 void drawFigureDialog(FrameContext &frame);
 /// File > Screenshot size.
 void drawScreenshotMenu(FrameContext &frame);
+/// Dialog of what the user prefers, while it is open.
+void drawPreferences(FrameContext &frame);
 /// Shows state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 
 /// A window in the middle, above all others; `isShown` becomes false when it is closed. Size in logical pixels. If this
 /// returns true, endDialog() draws the close button.
-[[nodiscard]] bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size);
+/// @param flags  ImGuiWindowFlags
+[[nodiscard]] bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size,
+                               int flags = 0);
 void endDialog(FrameContext &frame, bool &isShown);
 
 /// Begins a window without decoration at a fixed position. Always followed by ImGui::End().

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "window/execute_command.h"
 
+#include "c3de/abi/log.h"
+#include "c3de/core/platform.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/segmentation/scan_body.h"
 #include "frame/file_dialog.h"
+#include "frame/guide.h"
 
 namespace c3de::ui {
 namespace {
@@ -11,6 +14,15 @@ namespace {
 constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate", *kSessionExtensions = "c3de",
                      *kRecordingExtensions = "c3dr";
 constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
+
+void openGuide(FrameContext &frame) {
+  const auto opened = showInBrowser(findGuide(executablePath().parent_path()));
+  if (!frame.services.panels) return;
+  if (opened)
+    frame.services.panels->notify(C3DE_LOG_INFO, "User guide", "Opened in your browser: " + opened->string());
+  else
+    frame.services.panels->notify(C3DE_LOG_WARN, "User guide", opened.error().message);
+}
 
 void openDialog(FrameContext &frame, bool isMesh) {
   const WindowServices &services = frame.services;
@@ -29,6 +41,15 @@ void openImageDialog(FrameContext &frame, bool areLabels) {
   request.title = areLabels ? "Open label map" : "Open image: a file, or any file of a DICOM series";
   request.chosen = [open = frame.actions.open, areLabels](const std::filesystem::path &file, const std::string &) {
     if (open) open({{file}, "mm", areLabels});
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+void openComparisonDialog(FrameContext &frame) {
+  FileDialog::Request request;
+  request.title = "Open as comparison: a file, or any file of a DICOM series";
+  request.chosen = [open = frame.actions.openComparison](const std::filesystem::path &file, const std::string &) {
+    if (open) open(file);
   };
   frame.fileDialog.open(std::move(request));
 }
@@ -107,6 +128,11 @@ void resetView(FrameContext &frame, std::optional<Pane> pane) {
   if (pane.value_or(Pane::space) != Pane::space) return;
   resetCamera(frame.camera);
   frame.state.framesToFit = 1;
+}
+
+bool hasComparison(const FrameContext &frame) {
+  const ImageViews *images = frame.shownImages();
+  return images && images->comparison() && images->comparison()->image();
 }
 
 bool hasContent(const FrameContext &frame) { return frame.simulation.exists || frame.shownImages(); }
@@ -189,17 +215,26 @@ void saveSessionWithFiles(FrameContext &frame) {
   });
 }
 
-bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
+bool isEnabled(const FrameContext &frame, const CommandInfo &info) { return whyDisabled(frame, info).empty(); }
+
+std::string whyDisabled(const FrameContext &frame, const CommandInfo &info) {
   const auto needs = [&](CommandFlag flag) { return (info.flags & flag) != 0; };
   const WindowServices &services = frame.services;
-  const bool isRecording = !frame.simulation.recording.empty();
-  if ((needs(needsRecording) && !isRecording) || (needs(needsNoRecording) && isRecording)) return false;
-  if (needs(needsTimeline) && !frame.simulation.hasTimeline) return false;
-  if (needs(needsNoReplay) && frame.simulation.replay) return false;
-  return (!needs(needsContent) || hasContent(frame)) && (!needs(needsSimulation) || frame.simulation.exists) &&
-         (!needs(needsImage) || frame.shownImages()) &&
-         (!needs(needsLabels) || (services.scanBody && services.scanBody->isPossible())) &&
-         (!needs(needsTissues) || (services.tissues && !services.tissues->rows.empty()));
+  const SimulationView &simulation = frame.simulation;
+  if (needs(needsNoReplay) && simulation.replay) return kReplayLocks;
+  if (needs(needsSimulation) && !simulation.exists) return "No simulation is open.";
+  if (needs(needsContent) && !hasContent(frame)) return "No simulation and no image is open.";
+  if (needs(needsImage) && !frame.shownImages()) return "No image is open.";
+  if (needs(needsComparison) && !hasComparison(frame)) return "No second scan is open.";
+  if (needs(needsLabels) && !(services.scanBody && services.scanBody->isPossible()))
+    return "No image with a label map over it is open.";
+  if (needs(needsTissues) && !(services.tissues && !services.tissues->rows.empty()))
+    return "The simulation has no body of many tissues.";
+  if (needs(needsRecording) && simulation.recording.empty()) return "The simulation is not being recorded.";
+  if (needs(needsNoRecording) && !simulation.recording.empty()) return "The simulation is being recorded already.";
+  if (needs(needsTimeline) && !simulation.hasTimeline) return "The simulation was not recorded.";
+  if (info.command == Command::copyFigure && frame.actions.figures.whyNoCopy) return frame.actions.figures.whyNoCopy();
+  return {};
 }
 
 void executeCommand(FrameContext &frame, Command command) {
@@ -229,6 +264,8 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::openFolder: openFolderDialog(frame); break;
     case Command::openLabels: openImageDialog(frame, true); break;
     case Command::createScanBody: frame.services.scanBody->show(true); break;
+    case Command::openComparison: openComparisonDialog(frame); break;
+    case Command::closeComparison: call(frame.actions.closeComparison); break;
     case Command::closeImage: call(frame.actions.closeImage); break;
     case Command::closeSimulation: call(frame.actions.closeSimulation); break;
     case Command::reload: call(frame.actions.reload); break;
@@ -248,6 +285,7 @@ void executeCommand(FrameContext &frame, Command command) {
       frame.state.figure.isShown = true;
       frame.state.figure.isFilled = false;
       break;
+    case Command::copyFigure: call(frame.actions.figures.copy); break;
     case Command::screenshot: call(frame.actions.screenshot); break;
     case Command::quit: quitOrAsk(frame); break;
     case Command::undo: frame.modes.undo(frame.above()); break;
@@ -269,6 +307,10 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::cutSagittal: images->cycleCut(Pane::sagittal); break;
     case Command::cutCoronal: images->cycleCut(Pane::coronal); break;
     case Command::searchPanel: frame.state.isSearchWanted = true; break;
+    case Command::preferences:
+      frame.state.preferencesDialog = {};
+      frame.state.preferencesDialog.isShown = true;
+      break;
     case Command::showPlots: showPlots(frame, !frame.state.plots.isShown); break;
     case Command::resetLayout: resetLayout(frame); break;
     case Command::playPause:
@@ -282,6 +324,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::orbitTool:
       if (frame.services.tools) frame.services.tools->activate({});
       break;
+    case Command::openGuide: openGuide(frame); break;
     case Command::findCommand: frame.state.palette = {.isShown = true}; break;
     case Command::showShortcuts: frame.state.showShortcuts = true; break;
     case Command::showMessages: frame.state.showMessages = true; break;

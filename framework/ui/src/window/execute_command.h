@@ -14,6 +14,8 @@ inline const std::pair<std::string, std::string> kQuit{"quit", "quit"}, kSaveAnd
 
 /// Whether what the command needs is present.
 [[nodiscard]] bool isEnabled(const FrameContext &frame, const CommandInfo &info);
+/// Why it is not enabled, in a sentence; empty: it is.
+[[nodiscard]] std::string whyDisabled(const FrameContext &frame, const CommandInfo &info);
 /// Executes a command of a menu, button or key. No effect if it is not enabled.
 void executeCommand(FrameContext &frame, Command command);
 

@@ -141,7 +141,7 @@ void drawFigureDialog(FrameContext &frame) {
   ImGui::EndChild();
   frame.automation.value(kFigureArea, "size", text);
   ImGui::BeginDisabled(!problem.empty());
-  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
   const bool isSaved = ImGui::Button("Save…", ImVec2(frame.theme.px(120.0f), 0));
   ImGui::PopStyleColor();
   ImGui::EndDisabled();

@@ -149,6 +149,8 @@ std::uint32_t keyOf(int key, int scancode) {
   const char *name = glfwGetKeyName(key, scancode);
   if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0')
     return static_cast<std::uint32_t>(name[0] - 'a' + 'A');
+  if (name && (name[0] == '[' || name[0] == ']' || name[0] == ',') && name[1] == '\0')
+    return static_cast<std::uint32_t>(name[0]);
   // Digits by position: on some layouts the printed character of their keys is different.
   if ((key >= 'A' && key <= 'Z' && !name) || (key >= '0' && key <= '9')) return static_cast<std::uint32_t>(key);
   return 0;
@@ -235,6 +237,7 @@ void GlfwWindow::installCallbacks() {
     event.key = keyOf(key, scancode);
     event.isRepeat = action == GLFW_REPEAT;
     event.role = roleOf(key);
+    event.isAlt = key == GLFW_KEY_LEFT_ALT;
     event.rawKey = key;
     event.scanCode = scancode;
     event.rawModifiers = mods;

@@ -32,7 +32,7 @@ bool beginRows(const FrameContext &frame, const char *id) {
 
 }  // namespace
 
-bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size) {
+bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size, int flags) {
   if (frame.state.question) return false;  // above all others; the dialog reappears after it
   if (isShown) ImGui::OpenPopup((std::string(title) + "###" + id).c_str());
   ImGui::SetNextWindowSize(ImVec2(std::min(frame.theme.px(size.x), 0.9f * static_cast<float>(frame.windowSize[0])),
@@ -41,7 +41,8 @@ bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &i
   ImGui::SetNextWindowPos(
       ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
       ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-  return ImGui::BeginPopupModal((std::string(title) + "###" + id).c_str(), &isShown, ImGuiWindowFlags_NoSavedSettings);
+  return ImGui::BeginPopupModal((std::string(title) + "###" + id).c_str(), &isShown,
+                                ImGuiWindowFlags_NoSavedSettings | flags);
 }
 
 void endDialog(FrameContext &frame, bool &isShown) {
@@ -100,8 +101,13 @@ void drawShortcuts(FrameContext &frame) {
           shortcutRow(keyText(entry.command->key, entry.command->modifiers), entry.command->title);
     ImGui::EndTable();
   }
-  heading(frame, "Panels");
+  heading(frame, "Menus, lists and dialogs");
   if (beginRows(frame, "panels")) {
+    shortcutRow("Alt, or Alt and a letter", "open the File menu, or the menu that begins with the letter");
+    shortcutRow("Arrows", "move the frame in a menu or dialog");
+    shortcutRow("Enter, Space, Esc", "press the marked item; close");
+    shortcutRow("Tab", "next text field of a dialog");
+    shortcutRow("?", "this list");
     shortcutRow("Ctrl+click on a number", "type an exact value");
     ImGui::EndTable();
   }

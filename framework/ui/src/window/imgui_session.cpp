@@ -28,6 +28,15 @@ ImGuiSession::~ImGuiSession() {
   ImGui::DestroyContext();
 }
 
+void ImGuiSession::setLook(const GlfwWindow &window, ThemeKind kind, double fontSize_px) {
+  if (kind == theme_.kind && fontSize_px == fontSize_px_) return;
+  fontSize_px_ = fontSize_px;
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui::GetIO().Fonts->Clear();
+  theme_ = applyTheme(window.contentScale(), kind, fontSize_px);
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
 void ImGuiSession::take(const GlfwWindow &window, const OsEvent &event) {
   using Kind = OsEvent::Kind;
   switch (event.kind) {
@@ -71,6 +80,11 @@ void ImGuiSession::beginFrame() {
   // Dear ImGui would measure the time in frames, and a frame may take longer than a double click.
   io.MouseDoubleClickTime = isSecondPress_ ? FLT_MAX : 0.0f;
   isSecondPress_ = false;
+  // With the focus ring, Enter presses buttons and menu items as Space does, once for each press.
+  if ((io.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) != 0 && !ImGui::IsAnyItemActive())
+    for (const ImGuiKey key : {ImGuiKey_Enter, ImGuiKey_KeyPadEnter})
+      if (io.KeysDown[ImGui::GetKeyIndex(key)] && io.KeysDownDuration[ImGui::GetKeyIndex(key)] < 0.0f)
+        io.NavInputs[ImGuiNavInput_Activate] = 1.0f;
   ImGui::NewFrame();
 }
 

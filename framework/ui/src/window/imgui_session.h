@@ -21,6 +21,8 @@ class ImGuiSession {
 
   /// Passes on an event of the frame that begins next.
   void take(const GlfwWindow &window, const OsEvent &event);
+  /// Between frames. No effect if they are the present ones.
+  void setLook(const GlfwWindow &window, ThemeKind kind, double fontSize_px);
   void beginFrame();
   void endFrame();
   /// Into the bound framebuffer.
@@ -29,6 +31,7 @@ class ImGuiSession {
 
  private:
   Theme theme_;
+  double fontSize_px_ = Preferences::kUsualFont;
   ImVec2 mouse_{-FLT_MAX, -FLT_MAX};
   std::uint32_t buttons_ = 0;
   ClickPairs clicks_;

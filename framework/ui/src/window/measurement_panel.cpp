@@ -46,12 +46,15 @@ void drawRow(FrameContext &frame, MeasurementList &list, const MeasurementRow &r
   markItem(frame, kArea, "row." + row.name);
   itemTooltip(frame, row.name + ": " + kindName(row.kind) + ", " + row.unit() +
                          "\nA press selects it, and moves the cross-hair to it");
-  for (const std::string &text : {row.referenceText(), row.nowText(), row.changeText(), std::string(row.unit())}) {
+  for (const std::string &text : {row.referenceText(), row.nowText(), row.changeText(), row.unit()}) {
     ImGui::TableNextColumn();
     numberCell(text);
   }
   ImGui::TableNextColumn();
-  numberCell(row.error_mm ? fmt::format("{:.1f} → {:.1f}", (*row.error_mm)[0], (*row.error_mm)[1]) : "–");
+  const int decimals = row.length.factor < 1.0 ? 2 : 1;
+  numberCell(row.error_mm ? fmt::format("{:.{}f} → {:.{}f}", row.shown((*row.error_mm)[0]), decimals,
+                                        row.shown((*row.error_mm)[1]), decimals)
+                          : "–");
   ImGui::PopStyleColor();
   AutomationState &automation = frame.automation;
   automation.value(kArea, row.name + ".rest", row.reference ? fmt::format("{:.4f}", *row.reference) : "none");
@@ -79,7 +82,8 @@ void drawTable(FrameContext &frame, MeasurementList &list, const std::vector<Mea
     for (const char *title : {"at rest", "now", "change"})
       ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed, wide);
     ImGui::TableSetupColumn("unit", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("unit").x);
-    ImGui::TableSetupColumn("error mm", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("10.0 → 10.0").x);
+    ImGui::TableSetupColumn(("error " + list.length().name).c_str(), ImGuiTableColumnFlags_WidthFixed,
+                            ImGui::CalcTextSize("10.0 → 10.0").x);
     ImGui::TableHeadersRow();
     for (const MeasurementRow &row : rows) drawRow(frame, list, row);
     ImGui::EndTable();
@@ -91,9 +95,12 @@ void drawErrors(FrameContext &frame, const MeasurementList &list) {
   const auto errors = list.targetErrors();
   if (!errors) return;
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
-    const std::string sd = errors->count > 1 ? fmt::format(", sd {:.2f}", errors->sd_mm[k]) : "";
-    const std::string text = fmt::format("Error {}: mean {:.2f}{}, max {:.2f} mm", k == 0 ? "at rest" : "now",
-                                         errors->mean_mm[k], sd, errors->max_mm[k]);
+    const auto &[unit, factor] = list.length();
+    const int decimals = factor < 1.0 ? 3 : 2;
+    const auto shown = [&, f = factor](double x_mm) { return fmt::format("{:.{}f}", f * x_mm, decimals); };
+    const std::string sd = errors->count > 1 ? ", sd " + shown(errors->sd_mm[k]) : std::string();
+    const std::string text = std::string("Error ") + (k == 0 ? "at rest" : "now") + ": mean " +
+                             shown(errors->mean_mm[k]) + sd + ", max " + shown(errors->max_mm[k]) + " " + unit;
     ImGui::TextUnformatted(text.c_str());
     frame.automation.value(kArea, k == 0 ? "error.rest" : "error.now", text);
   }
@@ -101,7 +108,8 @@ void drawErrors(FrameContext &frame, const MeasurementList &list) {
 
 /// The selected row over time, with the ranges of both axes.
 void drawCurve(FrameContext &frame, const MeasurementList &list, const MeasurementRow &row) {
-  const std::vector<CurvePoint2> curve = list.curve(row.name);
+  std::vector<CurvePoint2> curve = list.curve(row.name);
+  for (CurvePoint2 &point : curve) point.value = row.shown(point.value);
   frame.automation.value(kArea, "curve.samples", std::to_string(curve.size()));
   if (curve.size() < 2) return;
   const auto [low, high] =
@@ -114,7 +122,7 @@ void drawCurve(FrameContext &frame, const MeasurementList &list, const Measureme
   const float width = ImGui::GetContentRegionAvail().x, left = ImGui::CalcTextSize("-1000.00").x;
   ImDrawList *draw = ImGui::GetWindowDrawList();
   const ImVec2 from(at.x + left, at.y + line + 2.0f), to(at.x + width - 4.0f, at.y + line + 2.0f + height);
-  draw->AddRectFilled(from, to, IM_COL32(0, 0, 0, 60));
+  draw->AddRectFilled(from, to, ImGui::GetColorU32(colour::kChrome));
   draw->AddRect(from, to, ImGui::GetColorU32(colour::kLine));
   std::vector<ImVec2> pixels;
   for (const CurvePoint2 &p : curve)

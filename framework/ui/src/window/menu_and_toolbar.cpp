@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <imgui_internal.h>  // the focus ring
+
 #include <algorithm>
 #include <iterator>
 #include <string_view>
@@ -41,14 +43,7 @@ void commandItem(FrameContext &frame, const CommandInfo &info) {
   if (ImGui::MenuItem(label, key.empty() ? nullptr : key.c_str(), isChecked(frame, info.command), isEnabled))
     frame.request(info.command);
   markItem(frame, "menu", info.id, isEnabled);
-  const char *missing = (info.flags & needsTimeline) != 0 && frame.simulation.exists
-                            ? " (the simulation was not recorded)"
-                        : (info.flags & needsTissues) != 0 ? " (no body of many tissues is there)"
-                        : (info.flags & needsLabels) != 0  ? " (no image with a label map over it is open)"
-                        : (info.flags & needsImage) != 0   ? " (no image is open)"
-                                                           : " (nothing is loaded)";
-  if ((info.flags & needsNoReplay) != 0 && frame.simulation.replay) return itemTooltip(frame, kReplayLocks);
-  itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + missing);
+  itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + "\n" + whyDisabled(frame, info));
 }
 
 /// The commands of a menu.
@@ -68,13 +63,29 @@ void editItem(FrameContext &frame, Command command) {
   const std::string what = command == Command::undo ? frame.modes.undoLabel() : frame.modes.redoLabel();
   const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
   const std::string key = keyText(info.key, info.modifiers);
-  const bool isLocked = frame.simulation.replay != nullptr, isPossible = !what.empty() && !isLocked;
-  if (ImGui::MenuItem(label.c_str(), key.c_str(), false, isPossible)) frame.request(command);
-  markItem(frame, "menu", info.id, isPossible);
-  itemTooltip(frame, isLocked ? kReplayLocks : what.empty() ? std::string(info.doc) + " (not available)" : info.doc);
+  std::string whyNot = whyDisabled(frame, info);
+  if (whyNot.empty() && what.empty()) whyNot = command == Command::undo ? "Nothing to undo." : "Nothing to redo.";
+  if (ImGui::MenuItem(label.c_str(), key.c_str(), false, whyNot.empty())) frame.request(command);
+  markItem(frame, "menu", info.id, whyNot.empty());
+  itemTooltip(frame, whyNot.empty() ? info.doc : std::string(info.doc) + "\n" + whyNot);
+}
+
+/// An arrow has left the open menu to a side, and Dear ImGui has closed it: 1 to the right, -1 to the left, else 0.
+int sideMove() {
+  ImGuiContext &context = *ImGui::GetCurrentContext();
+  if (context.OpenPopupStack.Size > 0 || !context.NavMoveForwardToNextFrame) return 0;
+  context.NavMoveForwardToNextFrame = false;
+  return context.NavMoveDir == ImGuiDir_Right ? 1 : context.NavMoveDir == ImGuiDir_Left ? -1 : 0;
 }
 
 bool beginMenu(FrameContext &frame, const char *label, const char *id) {
+  if (frame.state.menuToOpen == id) {
+    frame.state.menuToOpen.clear();
+    ImGui::OpenPopup(label);
+    // The focus ring is there from the start.
+    ImGui::GetCurrentContext()->NavDisableHighlight = false;
+    ImGui::GetCurrentContext()->NavDisableMouseHover = true;
+  }
   const bool isOpen = ImGui::BeginMenu(label);
   markOpener(frame, "menu", id, isOpen);
   return isOpen;
@@ -85,6 +96,8 @@ void editMenu(FrameContext &frame) {
   editItem(frame, Command::redo);
   ImGui::Separator();
   commandItem(frame, commandInfo(Command::searchPanel));
+  ImGui::Separator();
+  commandItem(frame, commandInfo(Command::preferences));
 }
 
 void simulationMenu(FrameContext &frame) {
@@ -182,10 +195,10 @@ void separator(const FrameContext &frame) {
 
 bool toolButton(FrameContext &frame, const std::string &id, const std::string &label, bool isActive,
                 const std::string &tooltip, bool isEnabled = true) {
-  const ImVec4 on(0.20f, 0.42f, 0.48f, 1.0f);
+  const ImVec4 on = colour::kPrimary;
   if (isActive) {
     ImGui::PushStyleColor(ImGuiCol_Button, on);
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.24f, 0.49f, 0.55f, 1.0f));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colour::kPrimaryHovered);
   }
   ImGui::BeginDisabled(!isEnabled);
   const bool isPressed = ImGui::Button((label + "###" + id).c_str(), ImVec2(0, ImGui::GetFrameHeight() * 1.15f));
@@ -256,9 +269,11 @@ float drawMenuBar(FrameContext &frame) {
     height = ImGui::GetWindowSize().y;
     ImGui::PopStyleVar();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(4.0f)));
+    const Menu *open = nullptr;
     for (const Menu &menu : kMenus) {
       if (menu.draw == pluginsMenu && !frame.services.commands) continue;
       if (!beginMenu(frame, menu.label, menu.id)) continue;
+      open = &menu;
       if (menu.draw)
         menu.draw(frame);
       else
@@ -266,6 +281,9 @@ float drawMenuBar(FrameContext &frame) {
       ImGui::EndMenu();
     }
     ImGui::EndMainMenuBar();
+    const int side = open ? sideMove() : 0;
+    const auto count = static_cast<std::ptrdiff_t>(std::size(kMenus));
+    if (side != 0) frame.state.menuToOpen = kMenus[(open - kMenus + side + count) % count].id;
   }
   ImGui::PopStyleVar();
   return height;

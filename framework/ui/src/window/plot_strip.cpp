@@ -64,8 +64,9 @@ void drawPlotChoices(FrameContext &frame, PlotList &plots) {
     const std::string unit = series.last.unit.empty() ? std::string() : " [" + series.last.unit + "]";
     const std::string name = series.last.label + unit;
     bool isShown = series.isShown;
-    ImGui::PushStyleColor(ImGuiCol_Text,
-                          isShown ? ImGui::ColorConvertU32ToFloat4(plotColour(row.number, false)) : colour::kDim);
+    ImGui::PushStyleColor(ImGuiCol_Text, isShown ? ImGui::ColorConvertU32ToFloat4(
+                                                       plotColour(row.number, frame.theme.kind == ThemeKind::light))
+                                                 : colour::kDim);
     const std::string label = elided(name, ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - 6.0f);
     if (ImGui::Checkbox((label + "###" + id).c_str(), &isShown)) plots.show(id, isShown);
     ImGui::PopStyleColor();
@@ -99,6 +100,7 @@ void drawCurves(FrameContext &frame, const PlotList &plots) {
     return;
   }
   PlotLook look;
+  look.isLight = frame.theme.kind == ThemeKind::light;
   if (frame.simulation.exists) look.now_s = frame.simulation.transport.time_s;
   const bool isOver = rect.contains(frame.mouseX, frame.mouseY) && ImGui::IsWindowHovered();
   if (isOver) look.hoverX = static_cast<float>(frame.mouseX);

@@ -4,7 +4,7 @@
 namespace c3de::ui {
 namespace {
 
-const ImVec4 &colourOf(PluginEntry::State state) {
+ImVec4 colourOf(PluginEntry::State state) {
   switch (state) {
     case PluginEntry::State::loaded: return colour::kGood;
     case PluginEntry::State::refused: return colour::kError;

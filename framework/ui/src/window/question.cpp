@@ -24,14 +24,15 @@ void drawQuestion(FrameContext &frame) {
   for (std::size_t i = 0; i < question.answers.size(); ++i) {
     const bool isFirst = i == 0, isLast = i + 1 == question.answers.size();
     if (!isFirst) ImGui::SameLine();
-    if (isFirst) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+    if (isFirst) ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
     const std::string label = question.answers[i].label + (isFirst ? " (Enter)" : isLast ? " (Esc)" : "");
     if (ImGui::Button(label.c_str(), ImVec2(frame.theme.px(130.0f), 0))) answer = i;
     if (isFirst) ImGui::PopStyleColor();
     markItem(frame, question.id, question.answers[i].id);
   }
-  // The key press that opened the question does not answer it.
-  if (!isNew && (isPressed(ImGuiKey_Enter) || isPressed(ImGuiKey_KeyPadEnter))) answer = 0;
+  // The key press that opened the question does not answer it. With the focus ring, Enter presses what it is around.
+  if (!isNew && !ImGui::GetIO().NavVisible && (isPressed(ImGuiKey_Enter) || isPressed(ImGuiKey_KeyPadEnter)))
+    answer = 0;
   if (isPressed(ImGuiKey_Escape)) answer = question.answers.size() - 1;
   if (answer) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();

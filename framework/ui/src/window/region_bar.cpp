@@ -63,7 +63,7 @@ void drawRegionBar(FrameContext &frame, const PixelRect &area) {
   const Modes::Above above = frame.above();
   const bool isFree = !above.isTyping && !above.isPopup;
   const auto isPressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
-  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
   const bool isDone = ImGui::Button("Done (Enter)", ImVec2(done, 0)) ||
                       (isFree && (isPressed(ImGuiKey_Enter) || isPressed(ImGuiKey_KeyPadEnter)));
   ImGui::PopStyleColor();

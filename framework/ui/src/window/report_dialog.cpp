@@ -73,7 +73,7 @@ void drawReportDialog(FrameContext &frame) {
   ImGui::TextColored(colour::kDim, "%s", contents.isMeasured ? size.c_str() : "Files are being counted…");
   frame.automation.value(kReportArea, "size", contents.isMeasured ? size : std::string());
   ImGui::BeginDisabled(!contents.isMeasured);
-  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
   const bool isSaved = ImGui::Button("Save…", ImVec2(frame.theme.px(120.0f), 0));
   ImGui::PopStyleColor();
   ImGui::EndDisabled();

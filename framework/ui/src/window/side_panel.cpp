@@ -150,9 +150,7 @@ void drawSplitter(FrameContext &frame, const PixelRect &area) {
   markItem(frame, "window", "splitter");
   const bool isHot = ImGui::IsItemHovered() || ImGui::IsItemActive();
   if (isHot) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-  const ImVec4 tint = ImGui::IsItemActive() ? colour::kAccent
-                      : isHot               ? ImVec4(0.24f, 0.52f, 0.59f, 1.0f)
-                                            : colour::kLine;
+  const ImVec4 tint = ImGui::IsItemActive() ? colour::kAccent : isHot ? colour::kAccentMid : colour::kLine;
   ImGui::GetWindowDrawList()->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), ImGui::GetColorU32(tint));
   if (ImGui::IsItemActive()) {
     const float wanted = (ImGui::GetIO().MousePos.x - 0.5f * area.w) / frame.theme.scale;

@@ -60,7 +60,7 @@ std::string elidedPath(const std::string &path, float width) {
 bool pageButton(FrameContext &frame, const char *id, const char *label, const std::string &doc, bool isMain) {
   const float width = ImGui::CalcTextSize(label).x + frame.theme.px(36.0f);
   if (ImGui::GetCursorPosX() + width > ImGui::GetContentRegionMax().x) ImGui::NewLine();
-  if (isMain) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  if (isMain) ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
   const bool isPressed = ImGui::Button(label, ImVec2(width, 1.4f * ImGui::GetFrameHeight()));
   if (isMain) ImGui::PopStyleColor();
   markItem(frame, kStartArea, id);

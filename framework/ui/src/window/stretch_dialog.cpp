@@ -194,7 +194,7 @@ void drawStretchDialog(FrameContext &frame) {
   frame.automation.value(kStretchArea, "summary", summary);
   forgetAnswer(replay, dialog);
   drawAnswer(frame, dialog);
-  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_Button, colour::kPrimary);
   const bool isPressed = ImGui::Button("Export", ImVec2(frame.theme.px(120.0f), 0));
   ImGui::PopStyleColor();
   markItem(frame, kStretchArea, "export");

@@ -20,12 +20,13 @@ struct Column {
   const char *title, *id, *tooltip;
   std::string (TissueRow::*text)() const;
   TissueOrder order;
+  bool isLength = false;
 };
 constexpr std::array kColumns{
     Column{"ml", "volume", "Volume now", &TissueRow::volumeText, TissueOrder::volume},
     Column{"%", "change", "Its change since the scan", &TissueRow::changeText, TissueOrder::change},
-    Column{"|u| mm", "mean", "Displacement, mean", &TissueRow::meanText, TissueOrder::mean},
-    Column{"most", "largest", "Largest displacement, mm", &TissueRow::largestText, TissueOrder::largest},
+    Column{"|u|", "mean", "Displacement, mean", &TissueRow::meanText, TissueOrder::mean, true},
+    Column{"most", "largest", "Largest displacement", &TissueRow::largestText, TissueOrder::largest, true},
     Column{"det F", "det_f", "Smallest det F: where it is compressed most, its volume over that of the scan",
            &TissueRow::ratioText, TissueOrder::leastRatio}};
 
@@ -35,12 +36,26 @@ void numberCell(const std::string &text) {
   ImGui::TextUnformatted(text.c_str());
 }
 
+/// In the unit of the user, without its name.
+std::string textOf(const FrameContext &frame, const Column &column, const TissueRow &row) {
+  const std::string text = (row.*column.text)();
+  if (!column.isLength) return text;
+  const std::string shown = shownText(frame.state.preferences.units, text + " mm");
+  return shown.substr(0, shown.rfind(' '));
+}
+
+std::string titleOf(const FrameContext &frame, const Column &column) {
+  const bool hasUnit = column.order == TissueOrder::mean;
+  return column.title + (hasUnit ? " " + displayUnit(frame.state.preferences.units, "mm").name : std::string());
+}
+
 void headings(FrameContext &frame) {
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("Label", ImGuiTableColumnFlags_WidthStretch);
   for (const Column &column : kColumns)
-    ImGui::TableSetupColumn(column.title, ImGuiTableColumnFlags_WidthFixed,
-                            std::max(ImGui::CalcTextSize("-100.0").x, ImGui::CalcTextSize(column.title).x));
+    ImGui::TableSetupColumn(
+        column.title, ImGuiTableColumnFlags_WidthFixed,
+        std::max(ImGui::CalcTextSize("-100.0").x, ImGui::CalcTextSize(titleOf(frame, column).c_str()).x));
   ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
   ImGui::TableNextColumn();
   TissueOrder &order = frame.state.tissueOrder;
@@ -62,7 +77,7 @@ void headings(FrameContext &frame) {
   for (const Column &column : kColumns) {
     ImGui::TableNextColumn();
     heading(
-        column.title, column.id, column.order,
+        titleOf(frame, column).c_str(), column.id, column.order,
         std::string(column.tooltip) + (column.order == order                     ? ".\nA press: as the body has them"
                                        : column.order == TissueOrder::leastRatio ? ".\nA press: the smallest first"
                                                                                  : ".\nA press: the largest first"));
@@ -96,7 +111,7 @@ void drawRow(FrameContext &frame, const TissueRow &row) {
   itemTooltip(frame, row.label + (row.isRigid ? ": rigid" : row.tissue.empty() ? "" : ": " + row.tissue));
   for (const Column &column : kColumns) {
     ImGui::TableNextColumn();
-    numberCell((row.*column.text)());
+    numberCell(textOf(frame, column, row));
   }
 }
 

@@ -9,8 +9,11 @@
 #include <cmath>
 #include <optional>
 
+#include "c3de/abi/tools.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/registry/command_registry.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/render_gl/gl_renderer.h"
 #include "c3de/scene/scene_graph.h"
@@ -81,6 +84,7 @@ struct WorkstationWindow::Impl {
   void paint(render::Renderer &renderer);
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events, const render::Renderer &renderer);
   void handleKey(FrameContext &context, const OsEvent &event);
+  [[nodiscard]] bool opensMenu(const FrameContext &context, const OsEvent &event);
   void layOut(FrameContext &frame, const render::Renderer &renderer);
   void executeCommands(FrameContext &frame);
   void fitIfWanted();
@@ -99,6 +103,20 @@ void WorkstationWindow::Impl::handleKey(FrameContext &context, const OsEvent &ev
   if (answer.closesMenus && closeMenus()) modes.consumeEscape();
   if (answer.endsLongStep && context.simulation.isLongStep() && actions.transport)
     actions.transport(C3DE_TRANSPORT_PAUSE);
+}
+
+/// Alt alone, or Alt and the first letter of a menu. What is open above the views keeps its keys.
+bool WorkstationWindow::Impl::opensMenu(const FrameContext &context, const OsEvent &event) {
+  const Modes::Above above = context.above();
+  state.isMenuWanted = event.isAlt && !event.isRepeat && !above.isPopup && modes.buttons() == 0;
+  if (event.modifiers != C3DE_MOD_ALT || event.key == 0 || above.isPopup) return false;
+  if (services.commands && !services.commands->ofKey(event.key, event.modifiers).isNull()) return false;
+  for (const char *id : {"file", "edit", "view", "simulation", "tools", "plugins", "help"})
+    if (static_cast<std::uint32_t>(id[0] - 'a' + 'A') == event.key) {
+      state.menuToOpen = id;
+      return true;
+    }
+  return false;
 }
 
 void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events,
@@ -120,13 +138,27 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   });
   for (const OsEvent &event : events) {
     switch (event.kind) {
-      case OsEvent::Kind::focusLost: modes.loseFocus(); break;
+      case OsEvent::Kind::focusLost:
+        state.isMenuWanted = false;
+        modes.loseFocus();
+        break;
       case OsEvent::Kind::drop:
         if (actions.open && !event.files.empty()) actions.open({event.files, "mm", false});
         break;
-      case OsEvent::Kind::keyDown: handleKey(context, event); break;
+      case OsEvent::Kind::keyDown:
+        if (!opensMenu(context, event)) handleKey(context, event);
+        break;
+      case OsEvent::Kind::keyUp:
+        if (std::exchange(state.isMenuWanted, false) && event.isAlt) state.menuToOpen = "file";
+        break;
+      case OsEvent::Kind::character:
+        if (event.character == '?' && !context.above().isPopup && !context.above().isTyping)
+          context.request(Command::showShortcuts);
+        break;
       case OsEvent::Kind::close: context.request(Command::quit); break;
-      default: modes.handleMouse(event, context.above());
+      default:
+        if (event.kind == OsEvent::Kind::press) state.isMenuWanted = false;
+        modes.handleMouse(event, context.above());
     }
   }
   space.setInsideFinder(nullptr);
@@ -186,6 +218,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawStretchDialog(context);
   drawReportDialog(context);
   drawFigureDialog(context);
+  drawPreferences(context);
   drawQuestion(context);
 }
 
@@ -256,6 +289,12 @@ void WorkstationWindow::connect(const WindowServices &services, WindowActions ac
   impl_->services = services;
   impl_->actions = std::move(actions);
   impl_->modes.connect(services);
+}
+
+void WorkstationWindow::setPreferences(const Preferences &preferences) {
+  impl_->state.preferences = preferences;
+  impl_->fileDialog.setFirstFolder(pathFromText(preferences.folder));
+  impl_->window->wake();
 }
 
 void WorkstationWindow::setAbout(AboutText about) { impl_->state.about = std::move(about); }
@@ -351,7 +390,8 @@ void WorkstationWindow::Impl::paint(render::Renderer &renderer) {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, pixels[0], pixels[1]);
   glDisable(GL_SCISSOR_TEST);
-  glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
+  const ImVec4 chrome = colour::kChrome;
+  glClearColor(chrome.x, chrome.y, chrome.z, 1.0f);
   glClear(GL_COLOR_BUFFER_BIT);
   if (actions.beforeDraw) actions.beforeDraw();
   if (!views) views.emplace();
@@ -369,6 +409,8 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
                   (impl.services.jobs && !impl.services.jobs->running().empty());
   impl.measureRate(GlfwWindow::now_s());
 
+  const Preferences &preferences = impl.state.preferences;
+  impl.imgui->setLook(*impl.window, preferences.theme, preferences.fontSize_px);
   FrameContext context{impl.services, impl.actions, simulation,      impl.imgui->theme(), impl.automation,
                        impl.state,    impl.modes,   impl.fileDialog, impl.camera};
   context.windowSize = impl.window->windowSize();
@@ -380,11 +422,18 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.panes = impl.panes;
 
   const std::vector<OsEvent> events = impl.takeEvents();
+  // Arrows and the focus ring are for menus and dialogs. In the views, arrows and Space have other meanings.
+  const ImVector<ImGuiPopupData> &popups = ImGui::GetCurrentContext()->OpenPopupStack;
+  ImGuiConfigFlags &flags = ImGui::GetIO().ConfigFlags;
+  flags = popups.Size > 0 ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
+  const int popupCount = popups.Size;
   impl.imgui->beginFrame();
+  const bool isPopupClosed = popups.Size < popupCount;
   impl.automation.beginFrame();
   context.mouseX = ImGui::GetIO().MousePos.x;
   context.mouseY = ImGui::GetIO().MousePos.y;
   impl.takeInput(context, events, renderer);
+  if (isPopupClosed && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) impl.modes.consumeEscape();
   if (ImageViews *images = impl.shownImages()) {
     const std::optional<Pane> pane = impl.modes.paneAt(context.mouseX, context.mouseY, context.above());
     images->setPointedAt(pane && *pane != Pane::space);

@@ -41,9 +41,22 @@ enum class Overlay {
   field   ///< of setField()
 };
 
+/// A second image over the first one in slices. It is not warped by the displacement.
+struct ComparisonDisplay {
+  Handle image{};                     ///< null: none
+  Mat4 worldFromSecond = kIdentity4;  ///< rigid: from the world of the second image to that of the first
+  double window = 1.0, level = 0.5;   ///< values of the second image
+  float weight = 0.5f;                ///< of the second image where both are blended, 0 … 1
+  bool isCheckerboard = false;        ///< squares of the first and of the second image in turn, instead of blending
+  double square_mm = 20.0;            ///< side of the squares, above 0; one has a corner in the middle of the first
+                                      ///< image
+  friend bool operator==(const ComparisonDisplay &, const ComparisonDisplay &) = default;
+};
+
 /// Display settings of an image. Null handles: without that part.
 struct ImageDisplay {
   Handle image, labels, displacement;
+  ComparisonDisplay comparison{};
   /// An image on the grid of `image`, white where bodies are in the reference. With a displacement that has gaps,
   /// vacated regions are hatched in slices and empty in volumes. Null: bodies are unknown.
   Handle bodies{};
@@ -75,6 +88,7 @@ struct SlicePlane {
 struct SliceInSpace {
   Vec3 point{}, normal{0, 0, 1};
   Colour frame{0.6f, 0.6f, 0.6f, 1.0f};  ///< of its border
+  Vec3 along{};                          ///< direction of the rows of a checkerboard; zero: any
   friend bool operator==(const SliceInSpace &, const SliceInSpace &) = default;
 };
 

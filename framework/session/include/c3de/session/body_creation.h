@@ -23,6 +23,7 @@ class BodyCreation {
     std::vector<Coverage> coverage;                            ///< of the created bodies
     std::vector<SharedScene> scenes;                           ///< of the created bodies
     bool isNew = false;                                        ///< in a new simulation, which is now the present one
+    bool hasReplaced = false;                                  ///< it replaced one that reads no fills
   };
   struct Events {
     std::function<void(const Result &)> created;                               ///< at least one body was created

@@ -19,7 +19,7 @@ inline constexpr double kDefaultExportEvery_s = 0.04;
 
 struct RunOptions {
   SessionOptions session;
-  std::filesystem::path scene;  ///< a scene, a session to go on from, a mesh as one body, or a recording
+  std::filesystem::path scene;  ///< a scene, a session to continue, a mesh as one body, or a recording
   std::string sceneText;        ///< TOML to read instead of `scene`, whose folder its paths are relative to; or empty
   std::string meshUnit;         ///< of a mesh; empty: the unit stated in the file, otherwise mm
   std::optional<double> until_s;

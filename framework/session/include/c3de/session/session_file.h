@@ -62,6 +62,20 @@ struct SavedSelection {
   friend bool operator==(const SavedSelection &, const SavedSelection &) = default;
 };
 
+/// A second scan over the image, and its rigid motion: x -> R (x - centre) + centre + translation, R = Rz Ry Rx.
+struct SavedComparison {
+  std::string image;       ///< as SessionView::image
+  std::string series;      ///< empty: the only or first one
+  std::uint64_t time = 0;  ///< time point, from 0
+  Vec3 translation_mm{}, rotation_deg{}, centre_mm{};
+  bool isHidden = false, isCheckerboard = false;
+  double blend = 0.5;       ///< weight of the second scan, 0 … 1
+  double square_mm = 20.0;  ///< above 0
+  std::optional<double> window, level;
+
+  friend bool operator==(const SavedComparison &, const SavedComparison &) = default;
+};
+
 /// What the window showed. Paths as in SessionFile::files, or names of members.
 struct SessionView {
   struct CameraPose {
@@ -79,6 +93,7 @@ struct SessionView {
   std::optional<CameraPose> camera;
   std::optional<SavedMeasurements> measurements;  ///< none: those of the scene
   std::optional<SavedSelection> selection;        ///< none: nothing is picked
+  std::optional<SavedComparison> comparison;      ///< none: only the image is shown
 
   friend bool operator==(const SessionView &, const SessionView &) = default;
 };

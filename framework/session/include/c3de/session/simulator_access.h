@@ -36,6 +36,9 @@ using scene::simulatorTable;
 /// Steps, time and what else the simulator states about itself. [sim]
 [[nodiscard]] Expected<c3de_sim_status> simulatorStatus(const c3de_simulator_v1 *table, c3de_object *simulator);
 
+/// Makes the present state the snapshot that is drawn. A simulation reports an error at its next snapshot. [sim]
+void publishSnapshot(c3de_object *simulator);
+
 /// The present skin of a body, m; empty where the simulator does not provide it. [sim]
 [[nodiscard]] std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body);
 

@@ -12,7 +12,8 @@ namespace c3de::session {
 /// Which outputs of a run were written and which failed. The failure of one file does not prevent the others.
 class WrittenOutputs {
  public:
-  void add(const std::filesystem::path &file) { written_.push_back(file); }
+  /// --verbose prints its size.
+  void add(const std::filesystem::path &file);
   /// Logs the error.
   void addFailure(const std::filesystem::path &file, const Error &error);
   void note(const std::filesystem::path &file, const Expected<void> &result) {

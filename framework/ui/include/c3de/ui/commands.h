@@ -16,7 +16,9 @@ enum class Command {
   openImage,
   openFolder,
   openLabels,
+  openComparison,
   createScanBody,
+  closeComparison,
   closeImage,
   closeSimulation,
   reload,
@@ -32,11 +34,13 @@ enum class Command {
   exportDisplacement,
   exportTissues,
   saveFigure,
+  copyFigure,
   screenshot,
   quit,
   undo,
   redo,
   searchPanel,
+  preferences,
   fitView,
   resetView,
   viewFront,
@@ -66,6 +70,7 @@ enum class Command {
   loadState,
   orbitTool,
   managePlugins,
+  openGuide,
   findCommand,
   showShortcuts,
   showMessages,
@@ -96,8 +101,9 @@ enum CommandFlag : std::uint32_t {
   needsContent = 32,    ///< a simulation or an image
   needsRecording = 64,  ///< the simulation is being recorded
   needsNoRecording = 128,
-  needsTimeline = 512,  ///< the simulation is being recorded, or was
-  needsNoReplay = 256   ///< it changes the simulation, or stores its state
+  needsTimeline = 512,    ///< the simulation is being recorded, or was
+  needsNoReplay = 256,    ///< it changes the simulation, or stores its state
+  needsComparison = 1024  ///< a second scan over the image
 };
 
 /// A command as menus, keyboard, list of shortcuts and automation use it. executeCommand() executes it.

@@ -13,6 +13,8 @@
 #include "c3de/imaging/displacement.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/scene_file.h"
+#include "c3de/ui/comparison.h"
+#include "c3de/ui/display_units.h"
 #include "c3de/ui/image_presets.h"
 #include "c3de/ui/overlay.h"
 #include "c3de/ui/slice_view.h"
@@ -73,9 +75,12 @@ struct Readout {
   std::optional<double> shift;  ///< |u|, mm, where there is a displacement
   /// Set where there is tissue of a body and fields of it are available
   std::optional<double> volumeRatio, field;
-  Quantity fieldQuantity;                        ///< of `field`
-  bool isEmptied = false;                        ///< a body has moved away from here: nothing is known
-  [[nodiscard]] std::string placeText() const;   ///< position, voxel, value, label
+  Quantity fieldQuantity;        ///< of `field`
+  bool isEmptied = false;        ///< a body has moved away from here: nothing is known
+  std::optional<double> second;  ///< value of the second scan, where it is shown
+  std::string secondUnit;
+  DisplayUnit length{"mm", 1.0};                 ///< in which texts have lengths
+  [[nodiscard]] std::string placeText() const;   ///< position, voxel, value, label, value of the second scan
   [[nodiscard]] std::string tissueText() const;  ///< deformation of the tissue; empty if unknown
   [[nodiscard]] std::string text() const;        ///< both
 };
@@ -113,6 +118,10 @@ class ImageViews {
   /// Description of what is marked as missing, for the legend of the slices; empty if nothing is.
   void setMissingText(std::string text) { missingText_ = std::move(text); }
   [[nodiscard]] const std::string &missingText() const { return missingText_; }
+  /// A second scan that is shown over the image; null: none. It must outlive this and copies of it.
+  void setComparison(const Comparison *comparison) { comparison_ = comparison; }
+  [[nodiscard]] const Comparison *comparison() const { return comparison_; }
+  [[nodiscard]] bool isCompared() const { return image_ && comparison_ && comparison_->isShown(); }
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
   [[nodiscard]] const std::shared_ptr<const scene::StoredImage> &sharedImage() const { return image_; }
   [[nodiscard]] const scene::StoredLabels *labels() const { return labels_.get(); }
@@ -170,6 +179,8 @@ class ImageViews {
   [[nodiscard]] render::ImageScene scene() const;
   /// Cycles from uncut to without the near part, to without the far part, and back.
   void cycleCut(Pane slice);
+  /// In which read-outs and ranges of the overlay have lengths and pressures. A fixed range is converted.
+  void setUnits(const DisplayUnits &units);
   void setVisibleInSpace(bool isVisible) { isVisibleInSpace_ = isVisible; }
 
  private:
@@ -182,7 +193,9 @@ class ImageViews {
   bool move(Pane slice, const ViewInput &input);
   bool pressKey(Pane slice, const ViewInput &input);
   void followRange();
+  [[nodiscard]] Readout readoutOfImage(const Vec3 &world) const;
 
+  DisplayUnits units_;
   std::shared_ptr<const scene::StoredImage> image_;
   std::shared_ptr<const scene::StoredLabels> labels_;
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
@@ -208,6 +221,7 @@ class ImageViews {
   double lastX_ = 0.0, lastY_ = 0.0, startX_ = 0.0, startY_ = 0.0;
   ImageHandles handles_;
   std::string missingText_;
+  const Comparison *comparison_ = nullptr;
 };
 
 /// Initial camera for images in space: the patient upright, from the front, slightly from the left and above.

@@ -11,6 +11,7 @@
 
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
+#include "c3de/ui/display_units.h"
 
 namespace c3de::registry {
 class EditList;
@@ -73,7 +74,10 @@ struct MeasurementRow {
   bool isHidden = false;
   std::optional<double> reference, now;
   std::optional<std::array<double, 2>> error_mm;  ///< of a landmark with a target: at rest, now
-  [[nodiscard]] const char *unit() const { return kind == MeasureKind::angle ? "°" : "mm"; }
+  DisplayUnit length{"mm", 1.0};                  ///< in which texts show lengths
+  [[nodiscard]] std::string unit() const { return kind == MeasureKind::angle ? "°" : length.name; }
+  /// A value of this row as it is shown.
+  [[nodiscard]] double shown(double value) const { return kind == MeasureKind::angle ? value : value * length.factor; }
   [[nodiscard]] std::string referenceText() const;
   [[nodiscard]] std::string nowText() const;
   [[nodiscard]] std::string changeText() const;
@@ -105,6 +109,9 @@ class MeasurementList {
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   /// Replaces the content as a step of undo. No effect if it is the same.
   void edit(const std::string &label, MeasurementSet set);
+  /// In which texts and tables have lengths.
+  void setUnits(const DisplayUnits &units) { length_ = displayUnit(units, "mm"); }
+  [[nodiscard]] const DisplayUnit &length() const { return length_; }
   /// Replaces the content without a step of undo, which also ends those of before.
   void assign(MeasurementSet set);
 
@@ -148,6 +155,7 @@ class MeasurementList {
   void show(const MeasurementSet &set, std::uint64_t revision);
 
   registry::EditList *edits_;
+  DisplayUnit length_{"mm", 1.0};
   MeasurementSet set_;
   std::uint64_t revision_ = 0, lastRevision_ = 0;
   std::map<std::string, Vec3> positions_;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "c3de/ui/display_units.h"
+
 namespace c3de::ui {
 
 /// Quantity that slices show of the tissue in colours.
@@ -23,7 +25,8 @@ struct Quantity {
   [[nodiscard]] double value(double shown) const { return (shown - offset) / factor; }
 };
 /// @param name, unit  of the field as the simulator reports it: "contact_pressure" in Pa is "contact pressure" in kPa
-[[nodiscard]] Quantity quantityOf(Overlay overlay, const std::string &name = {}, const std::string &unit = {});
+[[nodiscard]] Quantity quantityOf(Overlay overlay, const std::string &name = {}, const std::string &unit = {},
+                                  const DisplayUnits &units = {});
 
 /// Range of the colours, in the displayed unit.
 struct OverlayRange {

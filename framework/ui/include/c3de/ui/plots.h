@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "c3de/ui/display_units.h"
+
 namespace c3de::ui {
 
 struct PlotPoint {
@@ -29,10 +31,12 @@ struct PlotValue {
 class PlotList {
  public:
   struct Series {
-    PlotValue last;  ///< its description, and its last value
+    PlotValue last;  ///< its description, and its last value, in the unit of the user
     bool isShown = false;
     int source = 0;
     std::vector<PlotPoint> points{};  ///< in the order of time
+    std::string declaredUnit{};       ///< in which values are added
+    double factor = 1.0;              ///< value here / added value
     double spacing_s = 0.0;           ///< least time between two kept points
     /// Of the last point that is not after this time; none: the curve begins later.
     [[nodiscard]] std::optional<double> valueAt(double time_s) const;
@@ -53,6 +57,8 @@ class PlotList {
   void keepOnly(int source, const std::vector<std::string> &ids);
   /// Removes all curves; what was chosen is kept for quantities that return.
   void clear();
+  /// In which values, limits and tables are from now on; what is there is converted.
+  void setUnits(const DisplayUnits &units);
 
   [[nodiscard]] const std::vector<Series> &series() const { return series_; }
   void show(const std::string &id, bool isShown);
@@ -66,6 +72,7 @@ class PlotList {
   /// None: there are kMaxSeries already.
   [[nodiscard]] Series *findOrAdd(const PlotValue &value, int source);
 
+  DisplayUnits units_;
   std::vector<Series> series_;
   std::map<int, double> lastTime_s_;    ///< by source
   std::map<std::string, bool> chosen_;  ///< by id: whether the user wants to see it

@@ -16,6 +16,7 @@
 #include "c3de/render/renderer.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/figure.h"
+#include "c3de/ui/preferences.h"
 #include "c3de/ui/recent_files.h"
 #include "c3de/ui/stretch.h"
 #include "c3de/ui/window_services.h"
@@ -110,8 +111,17 @@ struct ReportContents {
 struct FigureActions {
   std::function<FigureSettings()> settings;  ///< of the last figure
   std::function<void(const FigureSettings &, const std::filesystem::path &)> save;
+  std::function<void()> copy;              ///< to the clipboard, with the settings of the last figure
+  std::function<std::string()> whyNoCopy;  ///< why it cannot be copied; empty: it can
   std::function<ScreenshotSize()> screenshotSize;
   std::function<void(ScreenshotSize)> setScreenshotSize;
+};
+
+/// What the user prefers. The window shows a change at once, by setPreferences().
+struct PreferenceActions {
+  std::function<void(const Preferences &)> change;
+  std::function<void()> restore;  ///< the usual values, except of bookmarks and recent folders
+  std::function<std::filesystem::path()> file;
 };
 
 /// The strip of curves.
@@ -132,6 +142,7 @@ struct WindowActions {
   std::function<void(const std::string &id, bool isOn)> switchPlugin;  ///< from the next start on
   std::function<void()> screenshot;
   FigureActions figures;
+  PreferenceActions preferences;
   PlotActions plots;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
@@ -146,6 +157,8 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of the settings in the scan dialog
   /// Proposed name for a file of that export, without folder and extension; empty: no proposal.
   std::function<std::string(Command exported)> proposeName;
+  std::function<void(const std::filesystem::path &)> openComparison;  ///< a second scan over the image
+  std::function<void()> closeComparison;
   std::function<void()> closeImage, closeSimulation;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, as display text; empty if nothing
   /// Writes the session; `saved` is called after it is complete on the disk, and not after a failure.
@@ -209,6 +222,8 @@ class WorkstationWindow {
 
   void connect(const WindowServices &services, WindowActions actions);
   void setAbout(AboutText about);
+  /// Applies them from the next frame on.
+  void setPreferences(const Preferences &preferences);
 
   /// Draws frames until the question is answered; may be called before connect(). Returns the id of the answer: the
   /// last one if the window is closed instead.

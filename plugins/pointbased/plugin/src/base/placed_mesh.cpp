@@ -80,13 +80,28 @@ std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh
   return placed;
 }
 
-c3de_closest closestOn(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {
+std::optional<c3de_handle> presentTree(const Services &services, const PlacedMesh &mesh, c3de_view positions) {
+  if (!mesh.pickTree) {
+    auto made = services.collision.create(positions, sdk::rows<std::uint32_t, 3>(std::span(mesh.triangles)));
+    if (!made) return std::nullopt;
+    mesh.pickTree = std::move(*made);
+  } else if (!services.collision.refit(mesh.pickTree.handle(), positions)) {
+    return std::nullopt;
+  }
+  return mesh.pickTree.handle();
+}
+
+c3de_closest closestOn(const Services &services, c3de_handle tree, const Vec3 &point) {
   c3de_closest found{};
   const double everywhere = std::numeric_limits<double>::infinity();
   const auto *table = services.collision.table();
-  sdk::orThrow(services.host.check(table->closest(table->ctx, mesh.tree.handle(), viewOf({&point, 1}),
+  sdk::orThrow(services.host.check(table->closest(table->ctx, tree, viewOf({&point, 1}),
                                                   sdk::scalars(std::span<const double>(&everywhere, 1)), &found)));
   return found;
+}
+
+c3de_closest closestOn(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {
+  return closestOn(services, mesh.tree.handle(), point);
 }
 
 double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "base/services.h"
 
@@ -19,8 +20,8 @@ struct Placement {
 /// is not a rotation times a scale.
 [[nodiscard]] Placement readPlacement(const c3de_sim_placement *placement);
 
-/// A mesh of the host, in metres, where the scene places it, with its tree for distances and picking. Immutable after
-/// construction, except for the tree, which a picking tool may refit.
+/// A mesh of the host, in metres, where the scene places it, with its tree for distances. Immutable after construction,
+/// except for the tree of picking tools, which only the main thread uses.
 struct PlacedMesh {
   std::vector<Vec3> positions;  ///< m
   std::vector<Vec3> normals;    ///< unit, area-weighted
@@ -28,6 +29,7 @@ struct PlacedMesh {
   double volume = 0.0;  ///< m³
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
   sdk::CollisionTree tree;
+  mutable sdk::CollisionTree pickTree;  ///< presentTree()
 };
 
 /// Transforms between mesh coordinates and the placed mesh.
@@ -50,8 +52,14 @@ class PlacementTransform {
 [[nodiscard]] std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh,
                                                     const Placement &placement);
 
-/// The nearest point of its surface. Throws errors of the services as sdk::Error.
+/// The tree of the mesh whose points are at other positions, until the next call; nothing if they do not fit. Its first
+/// call creates the tree. Main thread.
+[[nodiscard]] std::optional<c3de_handle> presentTree(const Services &services, const PlacedMesh &mesh,
+                                                     c3de_view positions);
+
+/// The nearest point of its surface at rest. Throws errors of the services as sdk::Error.
 [[nodiscard]] c3de_closest closestOn(const Services &services, const PlacedMesh &mesh, const Vec3 &point);
+[[nodiscard]] c3de_closest closestOn(const Services &services, c3de_handle tree, const Vec3 &point);
 /// Distance of a point outside a closed mesh, m; 0 inside. Throws errors of the services as sdk::Error.
 [[nodiscard]] double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point);
 /// Area of its triangles, m².

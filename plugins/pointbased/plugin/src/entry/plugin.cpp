@@ -75,12 +75,13 @@ class PointBasedPlugin : public SimulatorListener {
                                       .hint = "Press on an obstacle and drag; its arrows and rings move it along and "
                                               "about one axis",
                                       .shortcut = 'M'}));
-        sdk::orThrow(load_.add(host, {.id = "pointbased.load",
-                                      .label = "Load",
-                                      .hint = "Paint on the surface, or click a face, then set a support or a load in "
-                                              "the panel; E removes, [ and ] change the radius, Esc clears",
-                                      .shortcut = 'N',
-                                      .inSlices = true}));
+        sdk::orThrow(
+            load_.add(host, {.id = "pointbased.load",
+                             .label = "Load",
+                             .hint = "Paint on the surface, click a face or drag a box (Q), then set a support "
+                                     "or load in the panel; Alt removes; drag the tips of arrows",
+                             .shortcut = 'N',
+                             .inSlices = true}));
       }
       if (const sdk::Commands commands(host); commands)
         verify_ = sdk::orThrow(
@@ -126,7 +127,8 @@ class PointBasedPlugin : public SimulatorListener {
     touch_.update();
     grasp_.update();
     move_.update();
-    load_.update();
+    const auto view = views_.find(current_);
+    load_.update(view == views_.end() ? nullptr : view->second.get());
   }
   void setSimulator(WorldSimulator *simulator) {
     pinch_.setSimulator(simulator);

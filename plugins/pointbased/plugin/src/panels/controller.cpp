@@ -54,7 +54,7 @@ void setBodyParameter(WorldSimulator &simulator, std::uint64_t body, const Param
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
     : services_(services), tools_(tools), mode_(services.host), laws_(laws), verification_(services),
-      obstacles_(services, tools.move), loads_(services, tools.load) {
+      obstacles_(services, tools.move), loads_(tools.load) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <locale>
 #include <sstream>
-#include <utility>
 
 #include "base/number_text.h"
 #include "base/placed_mesh.h"
@@ -14,7 +13,8 @@
 namespace pointbased {
 namespace {
 
-const std::array<std::string, 2> kModes{"brush", "face"};
+const std::array<std::string, 3> kModes{"brush", "face", "box"};
+const std::array<std::string, 2> kBorders{"at its edges", "where it tilts"};
 const std::array<std::string, 4> kKinds{"Fix", "Displace", "Force", "Pressure"};
 const std::array<std::string, 2> kPressureUnits{"kPa", "mmHg"};
 const std::array<std::string, 2> kDirections{"x y z", "outward normal"};
@@ -67,9 +67,7 @@ bool readValue(const std::string &text, SurfaceCondition &one) {
 
 void LoadPanel::setSimulator(WorldSimulator *simulator) {
   if (simulator_.get() == simulator) return;
-  for (const c3de_handle step : std::exchange(steps_, {})) services_.history.remove(step);
   simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
-  lastNumber_ = 0;
   edited_.clear();
 }
 
@@ -83,22 +81,46 @@ void LoadPanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
 void LoadPanel::drawTool(sdk::Ui &ui, const Snapshot &snapshot) {
   auto mode = static_cast<std::uint32_t>(tool_.mode);
   if (ui.choice("load_mode", "Select with", mode, kModes)) tool_.mode = static_cast<LoadTool::Mode>(mode);
-  ui.tooltip("With the tool Load (N): press on the surface, or in a slice");
+  ui.tooltip("With the tool Load (N), in 3D or in a slice: paint, click a face, or drag a box. Q switches it");
   (void)ui.checkbox("load_removing", "Remove from the selection", tool_.isRemoving);
-  ui.tooltip("E switches it");
-  if (tool_.mode == LoadTool::Mode::brush) {
-    (void)ui.slider("load_radius", "Radius", "mm", tool_.radius_mm, LoadTool::kMinRadius, 50.0);
-    ui.tooltip("The keys [ and ], and the wheel while painting, change it");
-  } else {
-    (void)ui.slider("load_angle", "Angle", "°", tool_.angle_deg, 1.0, 90.0);
-    ui.tooltip("The connected surface whose normal deviates by less from that of the clicked point");
-  }
+  ui.tooltip("E switches it; Alt does the opposite while it is held");
+  drawMode(ui);
   const SurfacePatch patch = tool_.patch(snapshot);
   const BodySnapshot *body = snapshot.body(tool_.body());
   ui.value("Selected", patch.triangles.empty() ? "nothing"
                                                : (body ? body->name + ", " : "") + fixed(1e6 * areaOf(patch), 1) +
                                                      " mm², " + std::to_string(patch.positions.size()) + " surfels");
+  if (!tool_.note().empty()) ui.value("Note", tool_.note());
+  if (const std::string dragged = tool_.draggedText(); !dragged.empty()) ui.value("Dragged", dragged);
   if (!patch.triangles.empty()) drawNew(ui, snapshot);
+}
+
+void LoadPanel::drawMode(sdk::Ui &ui) {
+  switch (tool_.mode) {
+    case LoadTool::Mode::brush:
+      (void)ui.slider("load_radius", "Radius", "mm", tool_.radius_mm, LoadTool::kMinRadius, 50.0);
+      ui.tooltip("The keys [ and ], and the wheel while painting, change it");
+      break;
+    case LoadTool::Mode::face: {
+      auto border = static_cast<std::uint32_t>(tool_.border);
+      if (ui.choice("load_border", "Face ends", border, kBorders)) tool_.border = static_cast<FaceBorder>(border);
+      ui.tooltip(
+          "At its edges: where neighbouring triangles differ in direction by more than the angle. Where it tilts: "
+          "where "
+          "the normal deviates from that of the clicked point by more than the angle");
+      (void)ui.slider("load_angle", "Angle", "°", tool_.angle_deg, LoadTool::kMinAngle, LoadTool::kMaxAngle);
+      ui.tooltip("The keys [ and ] change it by 5°");
+      break;
+    }
+    case LoadTool::Mode::box:
+      (void)ui.checkbox("load_through", "Through: also the far side", tool_.through);
+      ui.tooltip("In 3D: all of the surface in the box; otherwise what is visible. X switches it");
+      (void)ui.slider("load_depth", "Depth in slices", "mm", tool_.depth_mm, LoadTool::kMinDepth, 50.0);
+      ui.tooltip(
+          "To each side of the slice. The keys [ and ] change it; the wheel moves the slice while the box is "
+          "dragged and extends the box to it");
+      break;
+  }
 }
 
 void LoadPanel::drawNew(sdk::Ui &ui, const Snapshot &snapshot) {
@@ -141,59 +163,65 @@ void LoadPanel::add(const Snapshot &snapshot, ConditionKind kind) {
   one.atRest = kind == ConditionKind::fix && atRest_;
   if (isRamped) {
     const auto ramp = numbersOf(ramp_, 1);
-    if (!ramp) return fail("the time is '" + ramp_ + "'; accepted: a number of seconds");
+    if (!ramp) return tool_.edits().fail("the time is '" + ramp_ + "'; accepted: a number of seconds");
     one.ramp = ramp->front();
   }
   if (kind == ConditionKind::pressure) {
     const auto value = numbersOf(pressure_, 1);
-    if (!value) return fail("the pressure is '" + pressure_ + "'; accepted: a number in " + kPressureUnits[unit_]);
+    if (!value)
+      return tool_.edits().fail("the pressure is '" + pressure_ + "'; accepted: a number in " + kPressureUnits[unit_]);
     one.pressure = kPascals[unit_] * value->front();
   } else if (kind == ConditionKind::force && direction_ != 0) {
     const auto value = numbersOf(force_, 1);
-    if (!value) return fail("the force is '" + force_ + "'; accepted: a number in N");
+    if (!value) return tool_.edits().fail("the force is '" + force_ + "'; accepted: a number in N");
     one.vector = value->front() * areaVectorOf(one.patch).normalized();
   } else if (kind != ConditionKind::fix) {
     const std::string &text = kind == ConditionKind::force ? vector_ : displacement_;
     if (!readValue(text, one))
-      return fail("the value is '" + text + "'; accepted: three numbers in " + std::string(unitOf(kind)));
+      return tool_.edits().fail("the value is '" + text + "'; accepted: three numbers in " + std::string(unitOf(kind)));
   }
-  for (const ConditionSnapshot &other : snapshot.conditions) lastNumber_ = std::max(lastNumber_, other.number);
-  const std::uint64_t number = ++lastNumber_;
+  const std::uint64_t number = tool_.edits().nextNumber(snapshot);
   one.name = kKinds[kind_] + " " + std::to_string(number);
   one.body = simulator_->parts().queries.nameOfBody(body->id);
-  if (const std::string problem = problemOf(one); !problem.empty()) return fail(problem);
-  if (body->isStatic) return fail("body '" + body->name + "' is rigid and fixed, so nothing can move it");
-  if (body->rigid && one.isSupport()) return fail("body '" + body->name + "' is rigid, so a part of it cannot be held");
-  change("set " + one.name, number, std::nullopt, one);
+  if (const std::string problem = problemOf(one); !problem.empty()) return tool_.edits().fail(problem);
+  if (body->isStatic) return tool_.edits().fail("body '" + body->name + "' is rigid and fixed, so nothing can move it");
+  if (body->rigid && one.isSupport())
+    return tool_.edits().fail("body '" + body->name + "' is rigid, so a part of it cannot be held");
+  tool_.edits().change("set " + one.name, number, std::nullopt, one);
   tool_.clear();
 }
 
 void LoadPanel::drawList(sdk::Ui &ui, const Snapshot &snapshot) {
-  for (const ConditionSnapshot &one : snapshot.conditions) {
-    const std::string id = std::to_string(one.number);
-    ui.value(one.condition.name, one.condition.body.name + ", " + fixed(1e6 * one.area, 1) + " mm²");
-    drawValue(ui, one);
-    const std::string what = one.condition.isSupport() ? "Reaction on the body" : "Total force";
-    ui.value(what, fixed(one.force.norm(), 3) + " N (" + fixed(one.force[0], 3) + " " + fixed(one.force[1], 3) + " " +
-                       fixed(one.force[2], 3) + ")");
-    if (!one.warning.empty()) ui.text(one.condition.name + ": " + one.warning);
-    bool isShown = !tool_.hidden.contains(one.number);
-    if (ui.checkbox("load_shown_" + id, "Show", isShown)) {
-      if (isShown)
-        tool_.hidden.erase(one.number);
-      else
-        tool_.hidden.insert(one.number);
-    }
-    ui.sameLine();
-    if (ui.button("load_remove_" + id, "Remove")) {
-      edited_.erase(one.number);
-      change("remove " + one.condition.name, one.number, one.condition, std::nullopt);
-    }
-  }
+  for (const ConditionSnapshot &one : snapshot.conditions) drawRow(ui, one);
   std::erase_if(edited_, [&](const auto &entry) {
     return std::none_of(snapshot.conditions.begin(), snapshot.conditions.end(),
                         [&](const ConditionSnapshot &one) { return one.number == entry.first; });
   });
+}
+
+void LoadPanel::drawRow(sdk::Ui &ui, const ConditionSnapshot &one) {
+  const std::string id = std::to_string(one.number);
+  ConditionMarks &marks = tool_.marks();
+  ui.value(one.condition.name, one.condition.body.name + ", " + fixed(1e6 * one.area, 1) + " mm²");
+  drawValue(ui, one);
+  const std::string what = one.condition.isSupport() ? "Reaction on the body" : "Total force";
+  ui.value(what, fixed(one.force.norm(), 3) + " N (" + fixed(one.force[0], 3) + " " + fixed(one.force[1], 3) + " " +
+                     fixed(one.force[2], 3) + ")");
+  if (!one.warning.empty()) ui.text(one.condition.name + ": " + one.warning);
+  bool isChosen = marks.chosen == one.number;
+  if (ui.checkbox("load_chosen_" + id, "Chosen", isChosen)) marks.chosen = isChosen ? one.number : 0;
+  ui.tooltip(
+      "Same as a click on the tip of its arrow in the view; Delete removes the chosen one while the tool Load is "
+      "active");
+  ui.sameLine();
+  bool isShown = marks.isShown(one.number);
+  if (ui.checkbox("load_shown_" + id, "Show", isShown)) marks.setShown(one.number, isShown);
+  ui.tooltip("Same as its checkbox in the list Scene");
+  ui.sameLine();
+  if (ui.button("load_remove_" + id, "Remove")) {
+    edited_.erase(one.number);
+    tool_.edits().remove(one);
+  }
 }
 
 void LoadPanel::drawValue(sdk::Ui &ui, const ConditionSnapshot &one) {
@@ -209,34 +237,12 @@ void LoadPanel::drawValue(sdk::Ui &ui, const ConditionSnapshot &one) {
   edited_.erase(one.number);
   SurfaceCondition changed = one.condition;
   if (!readValue(text, changed))
-    return fail("the value is '" + text +
-                "'; accepted: " + (changed.kind == ConditionKind::pressure ? "a number" : "three numbers") + " in " +
-                std::string(unitOf(changed.kind)));
-  if (const std::string problem = problemOf(changed); !problem.empty()) return fail(problem);
+    return tool_.edits().fail("the value is '" + text + "'; accepted: " +
+                              (changed.kind == ConditionKind::pressure ? "a number" : "three numbers") + " in " +
+                              std::string(unitOf(changed.kind)));
+  if (const std::string problem = problemOf(changed); !problem.empty()) return tool_.edits().fail(problem);
   if (changed.vector == one.condition.vector && changed.pressure == one.condition.pressure) return;
-  change("change " + one.condition.name, one.number, one.condition, changed);
-}
-
-void LoadPanel::change(const std::string &title, std::uint64_t number, std::optional<SurfaceCondition> before,
-                       std::optional<SurfaceCondition> after) {
-  if (const auto posted = post(number, after); !posted) return fail(posted.failure().message);
-  if (!services_.history) return;
-  const auto step = services_.history.add(
-      title, [this, number, before = std::move(before)] { return post(number, before); },
-      [this, number, after = std::move(after)] { return post(number, after); });
-  if (step) steps_.push_back(*step);
-}
-
-sdk::Result<void> LoadPanel::post(std::uint64_t number, std::optional<SurfaceCondition> condition) {
-  simulator_->abandonLongStep();
-  return services_.simulation.post(simulator_->node(),
-                                   [simulator = simulator_, number, condition = std::move(condition)] {
-                                     (void)simulator->parts().changes.make(SetSurfaceCondition{number, condition});
-                                   });
-}
-
-void LoadPanel::fail(const std::string &text) const {
-  (void)services_.notifier.notify(C3DE_LOG_ERROR, "The support or load was not set", text);
+  tool_.edits().change("change " + one.condition.name, one.number, one.condition, changed);
 }
 
 }  // namespace pointbased

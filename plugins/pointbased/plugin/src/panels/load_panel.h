@@ -12,10 +12,10 @@
 namespace pointbased {
 
 /// Part of the panel: supports and loads on parts of surfaces that the load tool selects. Each is listed with its
-/// value, its reaction or resultant, and can be changed, hidden and removed. Every change is an undo step. Main thread.
+/// value, its reaction or resultant, and can be chosen, changed, hidden and removed. Every change is an undo step. Main thread.
 class LoadPanel {
  public:
-  LoadPanel(const Services &services, LoadTool &tool) : services_(services), tool_(tool) {}
+  explicit LoadPanel(LoadTool &tool) : tool_(tool) {}
   LoadPanel(const LoadPanel &) = delete;
   LoadPanel &operator=(const LoadPanel &) = delete;
 
@@ -27,24 +27,18 @@ class LoadPanel {
 
  private:
   void drawTool(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawMode(sdk::Ui &ui);
   void drawNew(sdk::Ui &ui, const Snapshot &snapshot);
   void drawValue(sdk::Ui &ui, const ConditionSnapshot &one);
+  void drawRow(sdk::Ui &ui, const ConditionSnapshot &one);
   void add(const Snapshot &snapshot, ConditionKind kind);
-  /// Changes a condition as an undo step. @param before, after  nothing: it does not exist
-  void change(const std::string &title, std::uint64_t number, std::optional<SurfaceCondition> before,
-              std::optional<SurfaceCondition> after);
-  [[nodiscard]] sdk::Result<void> post(std::uint64_t number, std::optional<SurfaceCondition> condition);
-  void fail(const std::string &text) const;
 
-  const Services &services_;
   LoadTool &tool_;
   sdk::Ref<WorldSimulator> simulator_;
   std::uint32_t kind_ = 0, unit_ = 0, direction_ = 0;
   std::string force_ = "1", vector_ = "0 0 -1", pressure_ = "1", displacement_ = "0 0 5", ramp_ = "0.5";
   bool atRest_ = false;
-  std::uint64_t lastNumber_ = 0;
   std::map<std::uint64_t, std::string> edited_;  // values that are being typed
-  std::vector<c3de_handle> steps_;               // undo steps
 };
 
 }  // namespace pointbased

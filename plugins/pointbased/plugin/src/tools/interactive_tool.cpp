@@ -3,10 +3,11 @@
 
 #include <algorithm>
 
+#include "tools/drawn_marks.h"
+
 namespace pointbased {
 namespace {
 
-constexpr float kLineWidth = 3.0f;      // px
 constexpr double kLongestArrow = 0.04;  // m
 
 }  // namespace
@@ -42,10 +43,7 @@ std::string InteractiveTool::idleReason() const {
 }
 
 void InteractiveTool::showLines(sdk::Proxy &lines, std::span<const Vec3> points, const sdk::Material &material) const {
-  if (lines)
-    (void)services_.render.update(lines.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
-  else if (auto made = services_.render.createLines(simulator_->node(), viewOf(points), kLineWidth, material))
-    lines = std::move(*made);
+  DrawnMarks(services_, simulator_->node()).lines(lines, points, material);
 }
 
 Vec3 InteractiveTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &force, double largest) const {
@@ -55,15 +53,8 @@ Vec3 InteractiveTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 
   return from + vector;
 }
 
-// Its head has barbs on four sides, because a slice shows it from one side only.
 void InteractiveTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &vector) const {
-  const double length = vector.norm();
-  if (!(length > 0.0)) return arrow.reset();
-  const Vec3 side = 0.12 * length * vector.unitOrthogonal(), other = side.cross(vector) / length;
-  const Vec3 tip = from + vector, neck = tip - 0.25 * vector;
-  showLines(arrow,
-            std::array<Vec3, 10>{from, tip, tip, neck + side, tip, neck - side, tip, neck + other, tip, neck - other},
-            kForce);
+  DrawnMarks(services_, simulator_->node()).arrow(arrow, from, vector, kForce);
 }
 
 bool InteractiveTool::warnIfQuasiStatic(const Snapshot &snapshot, const char *title, const std::string &what,
@@ -77,10 +68,7 @@ bool InteractiveTool::warnIfQuasiStatic(const Snapshot &snapshot, const char *ti
 
 void InteractiveTool::showLabel(sdk::Proxy &label, const Vec3 &at, const std::string &text,
                                 const sdk::Material &material) const {
-  if (label)
-    (void)services_.render.setLabel(label.handle(), toArray(at), text);
-  else if (auto made = services_.render.createLabel(simulator_->node(), toArray(at), text, material))
-    label = std::move(*made);
+  DrawnMarks(services_, simulator_->node()).label(label, at, text, material);
 }
 
 }  // namespace pointbased

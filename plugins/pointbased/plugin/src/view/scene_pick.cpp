@@ -34,9 +34,9 @@ std::optional<PickRay> rayOf(const Services &services, c3de_handle node, const c
 std::optional<PickedSurface> pick(const Services &services, const Snapshot &snapshot, const PickRay &ray) {
   std::optional<PickedSurface> nearest;
   for (const BodySnapshot &body : snapshot.bodies) {
-    const c3de_handle tree = body.surface->tree.handle();
-    if (!services.collision.refit(tree, viewOf(body.surfels))) continue;
-    const auto hit = services.collision.ray(tree, toArray(ray.origin), toArray(ray.direction));
+    const std::optional<c3de_handle> tree = presentTree(services, *body.surface, viewOf(body.surfels));
+    if (!tree) continue;
+    const auto hit = services.collision.ray(*tree, toArray(ray.origin), toArray(ray.direction));
     if (!hit || hit->triangle >= body.surface->triangles.size() || (nearest && nearest->t <= hit->t)) continue;
     const auto &corners = body.surface->triangles[hit->triangle];
     nearest = PickedSurface{&body,
@@ -67,20 +67,20 @@ std::optional<PickedSurface> pick(const Services &services, const Snapshot &snap
 
 Skins::Skins(const Services &services, const Snapshot &snapshot) : services_(services) {
   for (const BodySnapshot &body : snapshot.bodies)
-    if (services.collision.refit(body.surface->tree.handle(), viewOf(body.surfels))) bodies_.push_back(&body);
+    if (presentTree(services, *body.surface, viewOf(body.surfels))) bodies_.push_back(&body);
 }
 
 std::vector<const BodySnapshot *> Skins::bodiesAt(const Vec3 &place) const {
   std::vector<const BodySnapshot *> all;
   for (const BodySnapshot *body : bodies_)
-    if (closestOn(services_, *body->surface, place).distance < 0.0) all.push_back(body);
+    if (closestOn(services_, body->surface->pickTree.handle(), place).distance < 0.0) all.push_back(body);
   return all;
 }
 
 NearSkin Skins::near(const Vec3 &place) const {
   NearSkin near;
   for (const BodySnapshot *body : bodies_) {
-    const c3de_closest closest = closestOn(services_, *body->surface, place);
+    const c3de_closest closest = closestOn(services_, body->surface->pickTree.handle(), place);
     if (!std::isfinite(closest.distance) || (near.body && near.distance <= closest.distance)) continue;
     const Vec3 way = place - Vec3::Map(closest.point);
     const double length = way.norm();

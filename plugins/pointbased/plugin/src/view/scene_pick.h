@@ -30,7 +30,7 @@ struct PickedSurface {
   Vec3 at = Vec3::Zero();      ///< m
   Vec3 normal = Vec3::Zero();  ///< unit, towards the eye
 };
-/// Refits the trees of the bodies to the snapshot. Main thread.
+/// Refits the pick trees of the bodies to the snapshot. Main thread.
 [[nodiscard]] std::optional<PickedSurface> pick(const Services &services, const Snapshot &snapshot, const PickRay &ray);
 
 /// The skin nearest to a position.
@@ -39,11 +39,11 @@ struct NearSkin {
   double distance = 0.0;               ///< m, negative inside
   Vec3 outwards = Vec3::UnitZ();       ///< unit, out of the body along the shortest path
 };
-/// Proximity queries on a snapshot. Main thread. No other code may refit the trees of the bodies while this object
-/// exists.
+/// Proximity queries on a snapshot. Main thread. No other code may refit the pick trees of the bodies while
+/// this object exists.
 class Skins {
  public:
-  /// Refits the trees to the snapshot, which must outlive this.
+  /// Refits the pick trees to the snapshot, which must outlive this.
   Skins(const Services &services, const Snapshot &snapshot);
   /// The bodies that contain a position, m.
   [[nodiscard]] std::vector<const BodySnapshot *> bodiesAt(const Vec3 &place) const;

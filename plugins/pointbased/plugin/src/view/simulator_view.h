@@ -18,6 +18,11 @@ class SimulatorView {
 
   /// Displays the latest snapshot; does nothing if it is already shown.
   void update();
+  /// The scene node of a body; nothing if it is not shown.
+  [[nodiscard]] std::optional<c3de_handle> nodeOf(std::uint64_t body) const {
+    const auto found = bodies_.find(body);
+    return found == bodies_.end() ? std::nullopt : std::optional(found->second.node.handle());
+  }
 
  private:
   struct BodyView {

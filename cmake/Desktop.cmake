@@ -1,0 +1,57 @@
+# What an installation has for desktops and shells, in the component runtime: desktop file, icon, MIME type, AppStream
+# metainfo, man pages, completion. Man pages and completion are written by the program from its own declarations.
+if(WIN32)
+  return()
+endif()
+set(desktop "${CMAKE_CURRENT_LIST_DIR}/packages")
+if(C3DE_BUILD_WINDOW)
+  install(FILES "${desktop}/c3de.desktop" DESTINATION share/applications COMPONENT runtime)
+  install(FILES "${desktop}/c3de.svg" DESTINATION share/icons/hicolor/scalable/apps COMPONENT runtime)
+  install(FILES "${desktop}/c3de.svg" DESTINATION share/icons/hicolor/scalable/mimetypes RENAME application-x-c3de-session.svg
+    COMPONENT runtime)
+  install(FILES "${desktop}/c3de-mime.xml" DESTINATION share/mime/packages RENAME c3de.xml COMPONENT runtime)
+  install(FILES "${desktop}/org.c3de.c3de.metainfo.xml" DESTINATION share/metainfo COMPONENT runtime)
+endif()
+
+# A release has one date everywhere: of the last commit, or SOURCE_DATE_EPOCH.
+set(C3DE_RELEASE_EPOCH "$ENV{SOURCE_DATE_EPOCH}")
+if(NOT C3DE_RELEASE_EPOCH)
+  execute_process(COMMAND git -C "${PROJECT_SOURCE_DIR}" log -1 --format=%ct OUTPUT_VARIABLE C3DE_RELEASE_EPOCH
+    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE without)
+  if(NOT C3DE_RELEASE_EPOCH MATCHES "^[0-9]+$")
+    string(TIMESTAMP C3DE_RELEASE_EPOCH "%s" UTC)
+  endif()
+endif()
+set(saved "$ENV{SOURCE_DATE_EPOCH}")
+set(ENV{SOURCE_DATE_EPOCH} "${C3DE_RELEASE_EPOCH}")
+string(TIMESTAMP C3DE_RELEASE_DATE "%Y-%m-%d" UTC)
+string(TIMESTAMP C3DE_RELEASE_TIME "%a, %d %b %Y %H:%M:%S +0000" UTC)
+if(saved)
+  set(ENV{SOURCE_DATE_EPOCH} "${saved}")
+else()
+  unset(ENV{SOURCE_DATE_EPOCH})
+endif()
+
+if(NOT CMAKE_CROSSCOMPILING)
+  find_program(C3DE_GZIP gzip DOC "Compresses installed man pages")
+  install(CODE "string(RANDOM LENGTH 12 tag)
+    set(manual \"${PROJECT_BINARY_DIR}/manual-\${tag}\")
+    execute_process(COMMAND \"$<TARGET_FILE:c3de>\" write-manual \"\${manual}\" --date ${C3DE_RELEASE_DATE}
+      COMMAND_ERROR_IS_FATAL ANY)
+    execute_process(COMMAND \"$<TARGET_FILE:c3de_validate>\" --write-man \"\${manual}/man1/c3de-validate.1\"
+      --man-version ${PROJECT_VERSION} --man-date ${C3DE_RELEASE_DATE} COMMAND_ERROR_IS_FATAL ANY)
+    file(GLOB pages \"\${manual}/man1/*.1\")
+    if(EXISTS \"${C3DE_GZIP}\")
+      execute_process(COMMAND \"${C3DE_GZIP}\" -9nf \${pages} COMMAND_ERROR_IS_FATAL ANY)
+      file(GLOB pages \"\${manual}/man1/*.gz\")
+    endif()
+    file(INSTALL \${pages} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/man/man1\")
+    file(INSTALL \"\${manual}/c3de.bash\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/bash-completion/completions\" RENAME c3de)
+    # Debian reads those of packages in a folder of its own.
+    if(CMAKE_INSTALL_PREFIX MATCHES \"/usr$\")
+      file(INSTALL \"\${manual}/_c3de\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/zsh/vendor-completions\")
+    else()
+      file(INSTALL \"\${manual}/_c3de\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/zsh/site-functions\")
+    endif()
+    file(REMOVE_RECURSE \"\${manual}\")" COMPONENT runtime)
+endif()

@@ -1,0 +1,18 @@
+# cmake -DTOOL=make_organ -DMESHES=resources/meshes -DPLACE=… -P made_meshes.cmake
+# The shipped organ and obstacles are what tools/make_organ.cpp makes.
+file(REMOVE_RECURSE "${PLACE}")
+file(MAKE_DIRECTORY "${PLACE}")
+foreach(pair organ:organ.obj obstacle:obstacle_block.obj cap:ball_cap.obj ball:ball.obj)
+  string(REPLACE ":" ";" pair "${pair}")
+  list(GET pair 0 shape)
+  list(GET pair 1 name)
+  execute_process(COMMAND "${TOOL}" "${shape}" "${PLACE}/${name}" RESULT_VARIABLE failed OUTPUT_QUIET)
+  if(failed)
+    message(SEND_ERROR "make_organ ${shape} ends with ${failed}")
+    continue()
+  endif()
+  execute_process(COMMAND "${CMAKE_COMMAND}" -E compare_files --ignore-eol "${PLACE}/${name}" "${MESHES}/${name}" RESULT_VARIABLE differs)
+  if(differs)
+    message(SEND_ERROR "resources/meshes/${name} differs from what make_organ makes")
+  endif()
+endforeach()
