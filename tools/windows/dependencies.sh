@@ -97,7 +97,7 @@ built glfw3 with_cmake glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW
 built fmtlib with_cmake fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
 built spdlog with_cmake spdlog -DSPDLOG_FMT_EXTERNAL=ON -DSPDLOG_BUILD_EXAMPLE=OFF -DSPDLOG_BUILD_TESTS=OFF
 built meshoptimizer with_cmake meshoptimizer
-built highway with_cmake highway -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF -DHWY_ENABLE_CONTRIB=OFF
+built highway with_cmake highway -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF
 built libccd with_cmake libccd -DENABLE_DOUBLE_PRECISION=ON
 built ports with_ports
 built openssl with_openssl
