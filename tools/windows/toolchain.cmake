@@ -21,6 +21,7 @@ set(ENV{PKG_CONFIG_LIBDIR} "${C3DE_WINDOWS_PREFIX}/lib/pkgconfig")
 
 # Programs and plugins contain the libraries, also those of the compiler: nothing has to be installed beside them.
 set(BUILD_SHARED_LIBS OFF)
+set(OPENSSL_USE_STATIC_LIBS ON)
 set(CMAKE_FIND_LIBRARY_SUFFIXES .a)
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -L${C3DE_WINDOWS_PREFIX}/lib")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "-static -L${C3DE_WINDOWS_PREFIX}/lib")
