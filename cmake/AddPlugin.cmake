@@ -25,7 +25,7 @@ function(c3de_add_plugin name)
     target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
     target_link_options(${name} PRIVATE
       -Wl,--exclude-libs,ALL "-Wl,--version-script=${C3DE_CMAKE_DIR}/plugin.version")
-    if(NOT C3DE_SANITIZE)
+    if(NOT C3DE_SANITIZE AND NOT WIN32) # a DLL has no undefined symbols
       target_link_options(${name} PRIVATE -Wl,-z,defs)
     endif()
     set_target_properties(${name} PROPERTIES LINK_DEPENDS "${C3DE_CMAKE_DIR}/plugin.version"

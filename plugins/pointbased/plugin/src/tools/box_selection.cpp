@@ -28,7 +28,7 @@ BoxSelection::BoxSelection(const Services &services, std::shared_ptr<const Snaps
     : services_(services), snapshot_(std::move(snapshot)),
       isSlice_(isSlice), first_{x_px, y_px, first.origin, first.direction}, last_(first_), view_(first.view) {
   if (isSlice_) {
-    if (const NearSkin near = Skins(services_, *snapshot_).near(first.origin); near.body && near.distance < 0.0)
+    if (const NearSkin near = Skins(services_, *snapshot_).nearestSkin(first.origin); near.body && near.distance < 0.0)
       pressed_ = near.body->id;
     return;
   }

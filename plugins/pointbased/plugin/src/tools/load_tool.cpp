@@ -218,7 +218,7 @@ void LoadTool::paint(const c3de_event &event) {
     note_.clear();
   };
   if (sdk::isInSlice(event)) {
-    const NearSkin near = Skins(services_, *snapshot).near(ray->origin);
+    const NearSkin near = Skins(services_, *snapshot).nearestSkin(ray->origin);
     if (!near.body || (isBegun && near.body->id != body_)) return;
     begin(*near.body);
     if (mode == Mode::brush) return paintAround(*near.body, ray->origin, std::nullopt);

@@ -119,11 +119,11 @@ TouchTool::InstrumentPose TouchTool::onSurface(const PickedSurface &picked, cons
 std::optional<TouchTool::InstrumentPose> TouchTool::inSlice(const Snapshot &snapshot, const PickRay &ray) const {
   const Vec3 &position = ray.origin, &normal = ray.view;
   const Skins skins(services_, snapshot);
-  const NearSkin nearest = skins.near(position);
+  const NearSkin nearest = skins.nearestSkin(position);
   InstrumentPose pose{position, normal.unitOrthogonal(), radiusOn(nearest.body)};
   const double radius = kMetresPerMillimetre * pose.radius_mm + kGap;
   const std::optional<Vec3> end = clearPosition(position, normal, radius, [&](const Vec3 &at) {
-    const NearSkin skin = skins.near(at);
+    const NearSkin skin = skins.nearestSkin(at);
     return SkinDistance{skin.body ? skin.distance : radius, skin.outwards};
   });
   if (!end) return std::nullopt;

@@ -77,7 +77,7 @@ std::vector<const BodySnapshot *> Skins::bodiesAt(const Vec3 &place) const {
   return all;
 }
 
-NearSkin Skins::near(const Vec3 &place) const {
+NearSkin Skins::nearestSkin(const Vec3 &place) const {
   NearSkin near;
   for (const BodySnapshot *body : bodies_) {
     const c3de_closest closest = closestOn(services_, body->surface->pickTree.handle(), place);

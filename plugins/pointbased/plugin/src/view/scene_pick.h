@@ -48,7 +48,7 @@ class Skins {
   /// The bodies that contain a position, m.
   [[nodiscard]] std::vector<const BodySnapshot *> bodiesAt(const Vec3 &place) const;
   /// Minimum over all bodies.
-  [[nodiscard]] NearSkin near(const Vec3 &place) const;
+  [[nodiscard]] NearSkin nearestSkin(const Vec3 &place) const;
 
  private:
   const Services &services_;
