@@ -163,7 +163,7 @@ double ribsAt(const Vec3 &p) {
   return nearest;
 }
 
-/// Liver, gall bladder, stomach and pancreas; the later give way to the earlier.
+/// Liver, gall bladder, stomach and pancreas; where two overlap, the earlier has priority.
 Tissue organsInFront(const Vec3 &p, double beside) {
   const Vec3 q = p - kLiver;
   if (const double gall = ellipsoid(turned(p, {-14, -40, -36}, 0, 15.0), {-14, -40, -36}, {13, 14, 27}); gall < 0.0)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the project's own scan: make_scan IMAGE.nii.gz LABELS.nrrd
-// A computed tomography of the upper abdomen as one draws it, with contrast agent and noise, and a label map of the same
-// grid. Nobody's anatomy; every run writes the same voxels.
+// A synthetic computed tomography of the upper abdomen with contrast agent and noise, and a label map of the same grid.
+// Every run writes the same voxels.
 #include <fmt/format.h>
 
 #include <algorithm>

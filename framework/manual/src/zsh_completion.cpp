@@ -8,7 +8,7 @@
 namespace c3de::manual {
 namespace {
 
-/// Text within a specification of _arguments, which stands in single quotes.
+/// Text within a specification of _arguments, in single quotes.
 std::string inSpecification(const std::string &text) {
   std::string out;
   for (const char letter : text.substr(0, text.find('\n'))) {

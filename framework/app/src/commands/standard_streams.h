@@ -12,7 +12,7 @@
 
 namespace c3de::app {
 
-/// The file name that stands for standard input or output.
+/// The file name that denotes standard input or output.
 inline constexpr const char *kStandardStream = "-";
 
 /// Reads the scene of a run from standard input, to its end; its paths are relative to the present folder.

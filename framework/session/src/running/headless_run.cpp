@@ -252,7 +252,7 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
   const char *owner = session_.plugins().ownerOf(simulator_);
   const StepLimit limit(simulator_, table_, limits_.deadline);
   facts_.outcome = "done";
-  int tenths = 0;  // of the way, as --verbose has printed it
+  int tenths = 0;  // completed tenths that --verbose has printed
   const auto progressText = [this] {
     if (isQuasistatic()) return position() + " in " + threeDigits(facts_.wall_s) + " s";
     return threeDigits(facts_.time_s) + " s simulated in " + threeDigits(facts_.wall_s) + " s, step " +

@@ -12,7 +12,8 @@
 namespace pointbased {
 
 /// Part of the panel: supports and loads on parts of surfaces that the load tool selects. Each is listed with its
-/// value, its reaction or resultant, and can be chosen, changed, hidden and removed. Every change is an undo step. Main thread.
+/// value, its reaction or resultant, and can be chosen, changed, hidden and removed. Every change is an undo step.
+/// Main thread.
 class LoadPanel {
  public:
   explicit LoadPanel(LoadTool &tool) : tool_(tool) {}
