@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface_part.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace c3de::embed {
 namespace {
+
+constexpr double kRoundOff = 1e-9;  // of the extent of a surface
 
 /// Adds polygons; equal positions become one corner.
 class PartBuilder {
@@ -30,11 +34,16 @@ class PartBuilder {
 };
 
 /// What of a polygon is on one side of a face of a box: coordinate * sign <= limit * sign.
-std::vector<Vec3> cut(const std::vector<Vec3> &polygon, std::size_t axis, double limit, double sign) {
+/// @param margin  corners at that distance or less are on the face
+std::vector<Vec3> cut(const std::vector<Vec3> &polygon, std::size_t axis, double limit, double sign, double margin) {
+  const auto beyond = [&](const Vec3 &x) {
+    const double distance = sign * (x[axis] - limit);
+    return std::abs(distance) <= margin ? 0.0 : distance;
+  };
   std::vector<Vec3> out;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double da = sign * (a[axis] - limit), db = sign * (b[axis] - limit);
+    const double da = beyond(a), db = beyond(b);
     if (da <= 0.0) out.push_back(a);
     if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) {
       Vec3 x;
@@ -49,11 +58,16 @@ std::vector<Vec3> cut(const std::vector<Vec3> &polygon, std::size_t axis, double
 }  // namespace
 
 SurfacePart partInBox(std::span<const Vec3> positions, const Triangles &triangles, const Vec3 &min, const Vec3 &max) {
+  // A plane side through a face of the box has corners on either side of it, by round-off.
+  double extent = 0.0;
+  for (const Vec3 &x : positions)
+    for (std::size_t axis = 0; axis < 3; ++axis) extent = std::max(extent, std::abs(x[axis] - positions.front()[axis]));
+  const double margin = kRoundOff * extent;
   PartBuilder builder;
   for (const auto &triangle : triangles) {
     std::vector<Vec3> polygon{positions[triangle[0]], positions[triangle[1]], positions[triangle[2]]};
     for (std::size_t axis = 0; axis < 3 && !polygon.empty(); ++axis)
-      polygon = cut(cut(polygon, axis, max[axis], 1.0), axis, min[axis], -1.0);
+      polygon = cut(cut(polygon, axis, max[axis], 1.0, margin), axis, min[axis], -1.0, margin);
     builder.add(polygon);
   }
   return builder.take();

@@ -115,6 +115,8 @@ class Conditions(unittest.TestCase):
             self.assertEqual(caught.exception.kind, "closed")
             held = body.add_support(box=RIGHT_BOX)
             pressed = body.add_pressure(1000.0, box=([0.05, 0, 0.1], [0.15, 0.1, 0.1]))
+            # A side through a face of the box is in it, whatever the round-off of its corners.
+            body.add_pressure(10.0, box=([0.05, 0, 0.1 + 1e-14], [0.15, 0.1, 0.2])).remove()
             sim.run(0.5)
             self.assertAlmostEqual(tip(sim)[0], 0.2, delta=5e-4)
             self.assertGreater(held.force[2], 0.0)

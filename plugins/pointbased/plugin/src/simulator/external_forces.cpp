@@ -10,6 +10,16 @@ namespace pointbased {
 
 using sdk::Error;
 
+namespace {
+
+/// Of the sum of the forces' magnitudes. A repetition reduces the difference by the strain of the loaded surface, so the
+/// forces of the last solution are more accurate than this.
+constexpr double kFollowerTolerance = 1e-4;
+/// Pressures that stretch the surface without a bound never agree; the solution remains that of the last repetition.
+constexpr int kMostRepetitions = 20;
+
+}  // namespace
+
 void ExternalForces::points(c3de_handle handle, c3de_sim_points *out) {
   const std::lock_guard lock(world_.mutex);
   const BodyRecord &record = table_.bodyOrThrow(handle.v);
@@ -84,16 +94,9 @@ void ExternalForces::apply(const SurfaceConditions &conditions) {
     const bool isRequested = found != sharedPoints_.end() && std::exchange(found->second.isRequested, false);
     std::vector<Vec3> forces;
     if (isRequested && found->second.forces.size() == n) forces.swap(found->second.forces);
-    for (auto &[number, live] : loads_) {
-      if (live.body != id || body.isStatic()) continue;
-      if (live.rest != body.sharedRest()) bind(live);
-      forces.resize(n, Vec3::Zero());
-      const double since_s = simulator_.time() - live.startTime_s;
-      const double s =
-          live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
-      addLoadForces(live.load, live.part, s, body.state().displacements, forces);
-    }
-    conditions.addForces(id, forces);
+    for (auto &[number, live] : loads_)
+      if (live.body == id && !body.isStatic() && live.rest != body.sharedRest()) bind(live);
+    addLoads(id, conditions, forces);
     if (!forces.empty())
       simulator_.stepper().swapExternalForces(id, forces);
     else if (!body.externalForces().empty())
@@ -101,6 +104,44 @@ void ExternalForces::apply(const SurfaceConditions &conditions) {
     if (isRequested) found->second.forces.swap(forces);
   }
   std::erase_if(sharedPoints_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
+}
+
+void ExternalForces::addLoads(std::uint64_t id, const SurfaceConditions &conditions, std::vector<Vec3> &forces) const {
+  const Body &body = *simulator_.body(id);
+  if (body.isStatic()) return;
+  for (const auto &[number, live] : loads_) {
+    if (live.body != id) continue;
+    forces.resize(body.rest().phyxelCount(), Vec3::Zero());
+    const double since_s = simulator_.time() - live.startTime_s;
+    const double s = live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
+    addLoadForces(live.load, live.part, s, body.state().displacements, forces);
+  }
+  conditions.addForces(id, forces);
+}
+
+void ExternalForces::continueToEquilibrium(const SurfaceConditions &conditions) {
+  if (!simulator_.quasiStatic() || !simulator_.finished()) {
+    if (!simulator_.quasiStatic()) repetitions_ = 0;
+    return;
+  }
+  double difference = 0.0, sum = 0.0;
+  for (const auto &[id, record] : table_.bodies()) {
+    const std::span<const Vec3> before = simulator_.body(id)->externalForces();
+    // Forces of a plugin are dead until it sets them again.
+    if (before.empty() || sharedPoints_.contains(id)) continue;
+    std::vector<Vec3> now;
+    addLoads(id, conditions, now);
+    for (std::size_t i = 0; i < std::min(now.size(), before.size()); ++i) {
+      difference += (now[i] - before[i]).norm();
+      sum += now[i].norm();
+    }
+  }
+  if (difference <= kFollowerTolerance * sum || repetitions_ >= kMostRepetitions) {
+    repetitions_ = 0;
+    return;
+  }
+  ++repetitions_;
+  simulator_.stepper().repeatLastIncrement();
 }
 
 std::vector<SavedLoad> ExternalForces::saved() const {

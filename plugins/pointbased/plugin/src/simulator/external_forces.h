@@ -34,6 +34,9 @@ class ExternalForces {
   [[nodiscard]] std::uint64_t loadNumbered(std::uint64_t number) const;
   /// Before a step: sets the forces requested since the last step and those of the loads; other bodies have none.
   void apply(const SurfaceConditions &conditions);
+  /// After a quasi-static step that finished: repeats its last increment if pressures that follow the surface differ on
+  /// the new shape from those of the step by more than kFollowerTolerance. At most kMostRepetitions times.
+  void continueToEquilibrium(const SurfaceConditions &conditions);
   /// Called after the masses of a body have changed.
   void invalidateMasses(std::uint64_t body);
   void removeLoad(ChangeAccess, std::uint64_t id) { loads_.erase(id); }
@@ -56,6 +59,8 @@ class ExternalForces {
     bool isRequested = false;
   };
   void bind(RuntimeLoad &load) const;
+  /// Adds the loads on a body at its present shape. @param forces  N, [phyxels], or empty: resized if there are any
+  void addLoads(std::uint64_t body, const SurfaceConditions &conditions, std::vector<Vec3> &forces) const;
 
   SimulatedWorld &world_;
   Simulator &simulator_ = world_.simulator;
@@ -63,6 +68,7 @@ class ExternalForces {
   std::map<std::uint64_t, SharedPoints> sharedPoints_;
   std::map<std::uint64_t, RuntimeLoad> loads_;
   std::uint64_t lastNumber_ = 0;
+  int repetitions_ = 0;  // of the last increment, since the loads or supports changed
 };
 
 }  // namespace pointbased

@@ -142,6 +142,7 @@ void WorldSimulator::step() {
                                     " s (solver.step_budget), the previous state is kept: " +
                                     simulator_.stepper().suggestAffordableStep(stepped.error(), budget));
   if (!stepped) throw Error(stepped.error().ended ? C3DE_E_CANCELLED : C3DE_E_DIVERGED, stepped.error().text);
+  parts_.forces.continueToEquilibrium(parts_.conditions);
 }
 
 bool WorldSimulator::isInteracting() const {
