@@ -141,6 +141,11 @@ TEST_CASE("a block is fixed by one click and pressed on the opposite side as by 
   INFO("by hand " << depth << " mm, by the scene " << wanted << " mm");
   // The scene holds phyxels of the side themselves, the support by hand the means of its patches, which yield a little.
   CHECK(std::abs(depth - wanted) < 0.03 * wanted);
+  window.key("ctrl+t");
+  C3DE_WAIT(window, "the plots show the landmark of the solution, whose time is that of the reset",
+            std::abs(numberOf(s, "plots/measure.middle") - depth) < 0.001 * depth);
+  window.key("ctrl+t");
+  C3DE_WAIT(window, "the strip is closed", s["values"]["plots/shown"] == "false");
   // A click on the deformed block does not change where its landmark is looked for.
   clickSide(window, "1", "6000.0 mm²");
 

@@ -79,7 +79,7 @@ void PlotController::onRemoved() {
     waiting_.clear();
   }
   plots_.clear();
-  measuredTime_s_.reset();
+  measuredRevision_ = 0;
 }
 
 void PlotController::update() {
@@ -95,8 +95,8 @@ void PlotController::update() {
 void PlotController::addMeasurements() {
   const ui::MeasurementList &list = parts_.measurements.list();
   const std::optional<double> time_s = list.lastTime_s();
-  if (!time_s || time_s == measuredTime_s_) return;
-  measuredTime_s_ = time_s;
+  if (!time_s || list.positionsRevision() == measuredRevision_) return;
+  measuredRevision_ = list.positionsRevision();
   std::vector<ui::PlotValue> values;
   std::vector<std::string> ids;
   for (const ui::MeasurementRow &row : list.rows()) {

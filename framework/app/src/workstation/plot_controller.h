@@ -57,7 +57,7 @@ class PlotController {
   Parts parts_;
   ui::PlotList plots_;
   std::atomic<bool> isShown_{false};
-  std::optional<double> measuredTime_s_;         ///< of the last measurements
+  std::uint64_t measuredRevision_ = 0;           ///< of the positions of the last measurements
   std::optional<std::filesystem::path> wanted_;  ///< picture
   std::mutex mutex_;
   std::vector<Sample> waiting_;  ///< guarded by mutex_; bounded

@@ -151,6 +151,7 @@ void MeasurementList::assign(MeasurementSet set) {
 
 void MeasurementList::addPositions(const std::map<std::string, Vec3> &positions_mm, double time_s) {
   positions_ = positions_mm;
+  ++positionsRevision_;
   while (!samples_.empty() && samples_.back().time_s >= time_s) samples_.pop_back();
   if (samples_.empty()) interval_s_ = 0.0;
   // The latest one is always kept; it is replaced until it is far enough from the one before it.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "c3de/ui/measurement_tools.h"
 #include "views/slice_canvas.h"
@@ -24,18 +25,38 @@ struct MarkView {
   std::function<bool(const Vec3 &)> isNear;
   const PixelRect &rect;
   bool isInSlice = false;
+  std::vector<PixelRect> labels{};  ///< drawn so far
 };
+
+bool overlap(const PixelRect &a, const PixelRect &b) {
+  return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
+}
+
+/// Moves a label down, past those that are drawn; after kMostRows rows it stays there.
+PixelRect withoutOverlap(const std::vector<PixelRect> &labels, PixelRect label) {
+  constexpr int kMostRows = 8;
+  const auto hits = [&](const PixelRect &other) { return overlap(label, other); };
+  for (int row = 0; row < kMostRows; ++row) {
+    const auto hit = std::find_if(labels.begin(), labels.end(), hits);
+    if (hit == labels.end()) break;
+    label.y = hit->y + hit->h;
+  }
+  return label;
+}
 
 ImU32 faint(ImU32 tint, bool isNear) { return isNear ? tint : (tint & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 90); }
 
-void label(const MarkView &view, ImVec2 at, ImU32 tint, const std::string &text) {
+void label(MarkView &view, ImVec2 at, ImU32 tint, const std::string &text) {
   const float away = view.frame.theme.px(7.0f);
   const bool isOnLight = view.frame.isLight() && !view.isInSlice;
-  if (!isOnLight) view.list->AddText(ImVec2(at.x + away + 1, at.y - away + 1), kTextShadow, text.c_str());
-  view.list->AddText(ImVec2(at.x + away, at.y - away), isOnLight ? IM_COL32(20, 23, 28, 255) : tint, text.c_str());
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const PixelRect box = withoutOverlap(view.labels, {at.x + away, at.y - away, size.x, size.y});
+  view.labels.push_back(box);
+  if (!isOnLight) view.list->AddText(ImVec2(box.x + 1, box.y + 1), kTextShadow, text.c_str());
+  view.list->AddText(ImVec2(box.x, box.y), isOnLight ? IM_COL32(20, 23, 28, 255) : tint, text.c_str());
 }
 
-void drawPoint(const MarkView &view, const Vec3 &world, ImU32 tint, const std::string &text) {
+void drawPoint(MarkView &view, const Vec3 &world, ImU32 tint, const std::string &text) {
   const auto at = view.pixelOf(world);
   if (!at) return;
   const bool isNear = view.isNear(world);
@@ -53,7 +74,7 @@ void drawLine(const MarkView &view, const Vec3 &a, const Vec3 &b, ImU32 tint) {
   view.list->AddLine(*p, *q, faint(tint, isNear), view.frame.theme.px(1.5f));
 }
 
-void drawMeasure(const MarkView &view, const MeasurementList &list, const MeasurementTools &tools, const Measure &one) {
+void drawMeasure(MarkView &view, const MeasurementList &list, const MeasurementTools &tools, const Measure &one) {
   std::vector<Vec3> at;
   for (const std::string &name : one.points)
     if (const MeasuredPoint *point = list.set().point(name)) at.push_back(tools.shownAt(*point, view.isInSlice));
@@ -84,7 +105,7 @@ void drawHovered(const MarkView &view, const MeasurementList &list, const Measur
   }
 }
 
-void drawAll(const MarkView &view) {
+void drawAll(MarkView view) {
   const MeasurementList *list = view.frame.services.measurements;
   const MeasurementTools *tools = view.frame.services.measurementTools;
   if (!list || !tools) return;

@@ -138,6 +138,9 @@ class MeasurementList {
     return samples_.empty() ? std::nullopt : std::optional(samples_.back().time_s);
   }
 
+  /// Grows with every addPositions(). Static solutions have several at one time.
+  [[nodiscard]] std::uint64_t positionsRevision() const { return positionsRevision_; }
+
   /// CSV of the table, and of all curves: a column each, the first is the time.
   [[nodiscard]] std::string tableCsv() const;
   [[nodiscard]] std::string curvesCsv() const;
@@ -157,7 +160,7 @@ class MeasurementList {
   registry::EditList *edits_;
   DisplayUnit length_{"mm", 1.0};
   MeasurementSet set_;
-  std::uint64_t revision_ = 0, lastRevision_ = 0;
+  std::uint64_t revision_ = 0, lastRevision_ = 0, positionsRevision_ = 0;
   std::map<std::string, Vec3> positions_;
   std::deque<Sample> samples_;
   double interval_s_ = 0.0;  ///< of kept times, at least
