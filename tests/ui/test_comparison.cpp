@@ -249,6 +249,12 @@ TEST_CASE("a second scan is moved and rotated by drags and by numbers, and put b
   window.click("comparison/remove");
   C3DE_WAIT(window, "it is removed", textOf(s, kSecond + "name") == "none");
   CHECK_FALSE(window.state()["widgets"].contains("toolbar/tool.comparison.move"));
+  window.key("ctrl+z");
+  C3DE_WAIT(
+      window, "it is back at its position",
+      textOf(s, kSecond + "name") == scenario + "_second.nrrd" && norm(vectorOf(s, kSecond + "translation_mm")) == 0.0);
+  window.key("ctrl+shift+z");
+  C3DE_WAIT(window, "it is removed again", textOf(s, kSecond + "name") == "none");
 }
 
 TEST_CASE("what cannot be compared leads to a message, and the image stays", "[comparison_bad]") {

@@ -26,7 +26,15 @@ bool isSameFile(const std::filesystem::path &a, const std::filesystem::path &b) 
   return std::filesystem::equivalent(a, b, code) && !code;
 }
 
+constexpr const char *kRemovals = "c3de.comparison.removal";  // owner of the steps of remove()
+
 }  // namespace
+
+struct ComparisonController::Removal {
+  ComparisonController *controller;
+  Shown state;
+  std::shared_ptr<const scene::StoredImage> image;
+};
 
 ComparisonController::ComparisonController(Parts parts)
     : parts_(std::move(parts)), comparison_(&parts_.edits), tools_(parts_.tools, parts_.images.views(), comparison_),
@@ -35,6 +43,7 @@ ComparisonController::ComparisonController(Parts parts)
 }
 
 ComparisonController::~ComparisonController() {
+  parts_.edits.removeOwnedBy(kRemovals);
   choice_.reset();
   panel_.reset();
   removeFromRenderer();
@@ -43,7 +52,7 @@ ComparisonController::~ComparisonController() {
 
 void ComparisonController::connect(ui::WindowActions &actions) {
   actions.openComparison = [this](const std::filesystem::path &file) { open(file); };
-  actions.closeComparison = [this] { close(); };
+  actions.closeComparison = [this] { remove(); };
 }
 
 void ComparisonController::open(const std::filesystem::path &path, const std::string &series) {
@@ -87,7 +96,8 @@ void ComparisonController::read(const ImageToRead &wanted) {
               [this, path = wanted.path](const std::string &id) { id.empty() ? choice_.reset() : open(path, id); });
         } else {
           for (std::string &one : noticesOf(wanted, *isSame)) read->notices.push_back(std::move(one));
-          show(wanted, *read);
+          parts_.edits.removeOwnedBy(kRemovals);
+          show(wanted, read->image, pending_ ? &pending_->saved : nullptr, std::move(read->notices));
         }
         if (std::exchange(pending_, std::nullopt)) parts_.restored();
       });
@@ -101,29 +111,32 @@ std::vector<std::string> ComparisonController::noticesOf(const ImageToRead &want
   return {};
 }
 
-void ComparisonController::show(const ImageToRead &wanted, ReadImage &read) {
+bool ComparisonController::show(const ImageToRead &wanted, const std::shared_ptr<const scene::StoredImage> &image,
+                                const SavedComparison *saved, std::vector<std::string> notices) {
   render::ImageRenderer *images = parts_.renderer.images();
   const scene::StoredImage *first = parts_.images.views().image();
-  if (!images || !first) return;
+  if (!images || !first) return false;
   std::string notice;
-  const auto handle = images->addImage(voxelsOf(read.image->volume), &notice);
-  if (!handle) return parts_.failed("Could not show " + wanted.name, handle.error());
-  if (!notice.empty()) read.notices.push_back(notice);
+  const auto handle = images->addImage(voxelsOf(image->volume), &notice);
+  if (!handle) {
+    parts_.failed("Could not show " + wanted.name, handle.error());
+    return false;
+  }
+  if (!notice.empty()) notices.push_back(notice);
   removeFromRenderer();
   file_ = wanted.path;
   series_ = wanted.series;
-  comparison_.set(read.image, *handle);
-  if (pending_) {
-    const SavedComparison &saved = pending_->saved;
+  comparison_.set(image, *handle);
+  if (saved) {
     // A session has finite numbers only.
-    (void)comparison_.assign({saved.translation_mm, saved.rotation_deg, saved.centre_mm});
+    (void)comparison_.assign({saved->translation_mm, saved->rotation_deg, saved->centre_mm});
     ui::ComparisonOptions options = comparison_.options();
-    options.isShown = !saved.isHidden;
-    options.isCheckerboard = saved.isCheckerboard;
-    options.blend = saved.blend;
-    options.square_mm = saved.square_mm;
-    if (saved.window) options.windowLevel.window = *saved.window;
-    if (saved.level) options.windowLevel.level = *saved.level;
+    options.isShown = !saved->isHidden;
+    options.isCheckerboard = saved->isCheckerboard;
+    options.blend = saved->blend;
+    options.square_mm = saved->square_mm;
+    if (saved->window) options.windowLevel.window = *saved->window;
+    if (saved->level) options.windowLevel.level = *saved->level;
     comparison_.setOptions(options);
   } else {
     const imaging::WorldBox box = imaging::boxOf(first->volume.geometry);
@@ -131,7 +144,7 @@ void ComparisonController::show(const ImageToRead &wanted, ReadImage &read) {
     for (const Vec3 &corner : comparison_.corners_mm()) second.add(corner);
     shared.cutTo(second);
     if (shared.isEmpty())
-      read.notices.push_back(
+      notices.push_back(
           fmt::format("It does not overlap {}, so that no slice shows it. {}: {}. {}: {}. Align it by "
                       "landmarks, or press Centre in the panel Comparison.",
                       first->name, first->name, extentText(box), wanted.name, extentText(second)));
@@ -140,8 +153,9 @@ void ComparisonController::show(const ImageToRead &wanted, ReadImage &read) {
   if (!panel_)
     panel_.emplace(parts_.panels, comparison_, parts_.images.views(),
                    ui::ComparisonPanel::Actions{[this](const std::filesystem::path &file) { align(file); },
-                                                [this] { parts_.session.mainQueue().post([this] { close(); }); }});
-  reportNotices(parts_.panels, "Opened " + wanted.name, read.notices);
+                                                [this] { parts_.session.mainQueue().post([this] { remove(); }); }});
+  reportNotices(parts_.panels, "Opened " + wanted.name, notices);
+  return true;
 }
 
 void ComparisonController::align(const std::filesystem::path &landmarks) {
@@ -169,6 +183,11 @@ void ComparisonController::removeFromRenderer() {
 }
 
 void ComparisonController::close() {
+  parts_.edits.removeOwnedBy(kRemovals);
+  hide();
+}
+
+void ComparisonController::hide() {
   choice_.reset();
   job_.cancel();
   pending_.reset();
@@ -179,6 +198,28 @@ void ComparisonController::close() {
   panel_.reset();
   file_.clear();
   series_.clear();
+}
+
+void ComparisonController::remove() {
+  if (!comparison_.image() || pending_) return close();
+  auto removal = std::make_unique<Removal>(Removal{this, *shown(), comparison_.sharedImage()});
+  hide();
+  registry::Edit edit;
+  edit.owner = kRemovals;
+  edit.label = "remove comparison";
+  edit.undo = [](void *self) noexcept -> c3de_status {
+    const auto *one = static_cast<Removal *>(self);
+    const Shown &was = one->state;
+    const ImageToRead wanted{was.file, was.saved.series, static_cast<std::size_t>(was.saved.time), one->image->name};
+    return one->controller->show(wanted, one->image, &was.saved, {}) ? C3DE_OK : C3DE_E_STATE;
+  };
+  edit.redo = [](void *self) noexcept -> c3de_status {
+    static_cast<Removal *>(self)->controller->hide();
+    return C3DE_OK;
+  };
+  edit.release = [](void *self) noexcept { delete static_cast<Removal *>(self); };
+  edit.self = removal.release();
+  parts_.edits.add(std::move(edit));
 }
 
 std::optional<ComparisonController::Shown> ComparisonController::shown() const {

@@ -52,7 +52,10 @@ class ComparisonController {
   void open(const std::filesystem::path &path, const std::string &series = {});
   /// Opens that of a session, over the image that is shown.
   void restore(const std::filesystem::path &path, const SavedComparison &saved);
+  /// Without a step of undo, and ends those of the present one.
   void close();
+  /// As a step of undo, which keeps the scan in memory until another one is opened or the image is closed.
+  void remove();
   /// As a session has it, without the name of the file; none: there is no second scan, and none is being restored.
   struct Shown {
     std::filesystem::path file;
@@ -66,7 +69,12 @@ class ComparisonController {
 
  private:
   void read(const ImageToRead &wanted);
-  void show(const ImageToRead &wanted, ReadImage &read);
+  struct Removal;
+  /// @param saved  how it is shown; null: as a new one
+  /// @return  false: it could not be shown, and the reason has been reported
+  bool show(const ImageToRead &wanted, const std::shared_ptr<const scene::StoredImage> &image,
+            const SavedComparison *saved, std::vector<std::string> notices);
+  void hide();
   /// Sentences about two scans that do not overlap, or are the same.
   [[nodiscard]] std::vector<std::string> noticesOf(const ImageToRead &wanted, bool isSame) const;
   void align(const std::filesystem::path &landmarks);

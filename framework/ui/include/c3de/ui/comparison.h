@@ -65,6 +65,7 @@ class Comparison {
   /// No scan.
   void clear() { set(nullptr, {}); }
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
+  [[nodiscard]] const std::shared_ptr<const scene::StoredImage> &sharedImage() const { return image_; }
   [[nodiscard]] Handle handle() const { return handle_; }
   /// There is a scan, and it is not hidden.
   [[nodiscard]] bool isShown() const { return image_ && options_.isShown; }
