@@ -45,6 +45,33 @@ std::string essentials(const Json &state) {
   return shown.dump(1);
 }
 
+// The program for Windows is driven in the same manner under wine, on the display of this process. C3DE_WINDOWS_BUILD in the
+// environment is its build, C3DE_WINE the script that starts wine.
+bool isForWindows() { return !environmentVariable("C3DE_WINDOWS_BUILD").empty(); }
+
+// What wine calls a file of this machine; plugins are those of the build for Windows.
+std::string argumentForWindows(const std::string &argument) {
+  if (!argument.starts_with('/')) return argument;
+  const std::filesystem::path build = std::filesystem::path(testOutputRoot()).parent_path();
+  std::filesystem::path file = argument;
+  const std::filesystem::path inBuild = file.lexically_relative(build);
+  if (file.extension() == pluginExtension() && !inBuild.empty() && *inBuild.begin() != "..")
+    file = (environmentVariable("C3DE_WINDOWS_BUILD") / inBuild).replace_extension(".dll");
+  return "Z:" + file.string();
+}
+
+std::vector<std::string> programCommand(const std::vector<std::string> &arguments) {
+  std::vector<std::string> all;
+  if (isForWindows()) {
+    all = {environmentVariable("C3DE_WINE"), environmentVariable("C3DE_WINDOWS_BUILD") + "/bin/c3de-workstation.exe"};
+    for (const std::string &argument : arguments) all.push_back(argumentForWindows(argument));
+  } else {
+    all = {C3DE_PROGRAM};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+  }
+  return all;
+}
+
 }  // namespace
 
 std::filesystem::path outputFile(const std::string &name) {
@@ -72,9 +99,14 @@ std::string WorkstationDriver::whyNot() {
 }
 
 void WorkstationDriver::start(const std::vector<std::string> &arguments) {
-  std::vector<std::string> all{C3DE_PROGRAM, "--automation-state", stateFile_.string()};
+  std::vector<std::string> all{"--automation-state", stateFile_.string()};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  launch(all);
+  launch(programCommand(all));
+  if (isForWindows()) {
+    // Without a window manager its first position leaves room for a title bar; the driver's points are those of the screen.
+    waitUntil("the window is there", [](const Json &s) { return s["frame"].get<int>() >= 2; });
+    xdotool({"search", "--sync", "--name", "^C3DE|C3DE$", "windowmove", "--sync", "0", "0"});
+  }
   // A few frames, so that everything that opens at the start has opened.
   waitUntil("the window is drawn",
             [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); });
@@ -87,8 +119,8 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
     all.emplace_back("env");
     all.insert(all.end(), environment.begin(), environment.end());
   }
-  all.emplace_back(C3DE_PROGRAM);
-  all.insert(all.end(), arguments.begin(), arguments.end());
+  const std::vector<std::string> command = programCommand(arguments);
+  all.insert(all.end(), command.begin(), command.end());
   launch(all);
   return waitForExit();
 }

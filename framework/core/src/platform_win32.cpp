@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <windows.h>
 
+#include <fcntl.h>
 #include <io.h>
+#include <shellapi.h>
 #include <shlobj.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <clocale>
@@ -15,6 +18,7 @@
 #include "c3de/core/guarded_memory.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
+#include "c3de/core/program_arguments.h"
 #include "descriptors.h"
 #include "open_file.h"
 #include "plugin_call_environment.h"
@@ -86,20 +90,61 @@ std::wstring commandLine(const std::vector<std::string> &arguments) {
   return line;
 }
 
-Expected<PROCESS_INFORMATION> spawn(const std::vector<std::string> &arguments, HANDLE out, HANDLE err) {
+/// A process and those that it starts.
+class ProcessTree {
+ public:
+  /// @param endsWithThis  this process ends them by its end, whatever the reason
+  explicit ProcessTree(bool endsWithThis) : job_(CreateJobObjectW(nullptr, nullptr)) {
+    JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits{};
+    limits.BasicLimitInformation.LimitFlags = endsWithThis ? JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE : 0;
+    if (job_ != nullptr) SetInformationJobObject(job_, JobObjectExtendedLimitInformation, &limits, sizeof limits);
+  }
+  ~ProcessTree() {
+    if (job_ != nullptr) CloseHandle(job_);
+  }
+  ProcessTree(const ProcessTree &) = delete;
+  ProcessTree &operator=(const ProcessTree &) = delete;
+
+  /// @param process  has not run yet. Where it cannot be added, end() ends it alone.
+  void add(HANDLE process) { isAdded_ = job_ != nullptr && AssignProcessToJobObject(job_, process); }
+  void end(HANDLE process, UINT exitCode) const {
+    if (isAdded_)
+      TerminateJobObject(job_, exitCode);
+    else
+      TerminateProcess(process, exitCode);
+  }
+
+ private:
+  HANDLE job_;
+  bool isAdded_ = false;
+};
+
+/// @param tree  to which the process is added; null: none
+Expected<PROCESS_INFORMATION> start(const std::vector<std::string> &arguments, STARTUPINFOW &startup, DWORD flags,
+                                    ProcessTree *tree) {
   if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
+  PROCESS_INFORMATION process{};
+  std::wstring line = commandLine(arguments);
+  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, flags | (tree != nullptr ? CREATE_SUSPENDED : 0),
+                      nullptr, nullptr, &startup, &process))
+    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
+  if (tree != nullptr) {
+    tree->add(process.hProcess);
+    ResumeThread(process.hThread);
+  }
+  CloseHandle(process.hThread);
+  return process;
+}
+
+Expected<PROCESS_INFORMATION> spawn(const std::vector<std::string> &arguments, HANDLE out, HANDLE err,
+                                    ProcessTree *tree) {
   STARTUPINFOW startup{};
   startup.cb = sizeof startup;
   startup.dwFlags = STARTF_USESTDHANDLES;
+  startup.hStdInput = GetStdHandle(STD_INPUT_HANDLE);
   startup.hStdOutput = out;
   startup.hStdError = err;
-  PROCESS_INFORMATION process{};
-  std::wstring line = commandLine(arguments);
-  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, CREATE_NO_WINDOW, nullptr, nullptr, &startup,
-                      &process))
-    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
-  CloseHandle(process.hThread);
-  return process;
+  return start(arguments, startup, CREATE_NO_WINDOW, tree);
 }
 
 void readAll(HANDLE pipe, std::string *text) {
@@ -147,6 +192,15 @@ std::filesystem::path modulePath() {
   return path;
 }
 
+ProgramArguments::ProgramArguments(int, char **) {
+  int count = 0;
+  wchar_t **arguments = CommandLineToArgvW(GetCommandLineW(), &count);
+  for (int i = 0; i < count; ++i) texts_.push_back(utf8(arguments[i]));
+  LocalFree(arguments);
+  for (std::string &text : texts_) pointers_.push_back(text.data());
+  pointers_.push_back(nullptr);
+}
+
 OwnEnvironment::OwnEnvironment() {
   (void)std::fegetenv(&before_);
   (void)std::fesetenv(FE_DFL_ENV);
@@ -184,7 +238,11 @@ std::string cpuName() {
 }
 
 std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
-  return _wfopen(path.c_str(), mode == OpenMode::replace ? L"wb" : mode == OpenMode::createNew ? L"wbx" : L"ab");
+  if (mode != OpenMode::createNew) return _wfopen(path.c_str(), mode == OpenMode::replace ? L"wb" : L"ab");
+  // Not fopen's "x": older C libraries of Windows ignore it.
+  const int descriptor =
+      _wopen(path.c_str(), _O_CREAT | _O_EXCL | _O_WRONLY | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
+  return descriptor == -1 ? nullptr : _fdopen(descriptor, "wb");
 }
 
 std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; }
@@ -219,18 +277,15 @@ int descriptorOf(std::FILE *file) { return _fileno(file); }
 void endWithParent() {}
 
 Expected<int> continueAs(const std::vector<std::string> &arguments) {
-  if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
   STARTUPINFOW startup{};
   startup.cb = sizeof startup;
-  PROCESS_INFORMATION process{};
-  std::wstring line = commandLine(arguments);
-  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr, &startup, &process))
-    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
-  WaitForSingleObject(process.hProcess, INFINITE);
+  ProcessTree tree(true);  // who ends this program ends the other one
+  const Expected<PROCESS_INFORMATION> process = start(arguments, startup, 0, &tree);
+  if (!process) return tl::unexpected<Error>(process.error());
+  WaitForSingleObject(process->hProcess, INFINITE);
   DWORD code = 1;
-  GetExitCodeProcess(process.hProcess, &code);
-  CloseHandle(process.hThread);
-  CloseHandle(process.hProcess);
+  GetExitCodeProcess(process->hProcess, &code);
+  CloseHandle(process->hProcess);
   return static_cast<int>(code);
 }
 
@@ -245,7 +300,8 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   }
   SetHandleInformation(outRead, HANDLE_FLAG_INHERIT, 0);
   SetHandleInformation(errRead, HANDLE_FLAG_INHERIT, 0);
-  const Expected<PROCESS_INFORMATION> process = spawn(arguments, outWrite, errWrite);
+  ProcessTree tree(false);
+  const Expected<PROCESS_INFORMATION> process = spawn(arguments, outWrite, errWrite, &tree);
   CloseHandle(outWrite);
   CloseHandle(errWrite);
   ProcessResult result;
@@ -253,7 +309,7 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
     std::thread outReader(readAll, outRead, &result.output), errReader(readAll, errRead, &result.errorOutput);
     if (WaitForSingleObject(process->hProcess, static_cast<DWORD>(timeout_s * 1000)) == WAIT_TIMEOUT) {
       result.timedOut = true;
-      TerminateProcess(process->hProcess, 124);
+      tree.end(process->hProcess, 124);
     }
     outReader.join();
     errReader.join();
@@ -301,7 +357,7 @@ Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &argum
                                            const std::filesystem::path &log) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
   const HANDLE file = CreateFileW(log.c_str(), GENERIC_WRITE, FILE_SHARE_READ, &inherit, CREATE_ALWAYS, 0, nullptr);
-  const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file);
+  const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file, nullptr);
   CloseHandle(file);
   if (!process) return tl::unexpected<Error>(process.error());
   ChildProcess child;
