@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "support/catch.h"
+#include "ui/program_command.h"
 #include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -43,7 +44,7 @@ struct MovableOrgan {
     REQUIRE(at != std::string::npos);
     std::ofstream(scene) << std::string(text).replace(at, organMesh().generic_string().size(), mesh.generic_string());
     const auto ran = runProcess(
-        {C3DE_PROGRAM, "run", scene.string(), "--steps", "30", "--save-session", session.string(), "-q"}, 120.0);
+        programCommand({"run", scene.string(), "--steps", "30", "--save-session", session.string(), "-q"}), 120.0);
     REQUIRE(ran);
     INFO(ran->errorOutput);
     REQUIRE(ran->exitCode == 0);

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "support/catch.h"
+#include "ui/program_command.h"
 #include "ui/workstation_driver.h"
 
 using c3de::test::Json;
@@ -456,7 +457,7 @@ TEST_CASE("F12 writes a picture and says where", "[screenshot]") {
   window.key("F12");
   const Json state = C3DE_WAIT(window, "it says where", s["notifications"].size() == 1);
   CHECK(state["notifications"][0]["title"] == "Screenshot saved");
-  const std::filesystem::path file = state["notifications"][0]["text"].get<std::string>();
+  const std::filesystem::path file = fileOfProgram(state["notifications"][0]["text"]);
   REQUIRE(std::filesystem::is_regular_file(file));
   CHECK(std::filesystem::file_size(file) > 500);
   std::filesystem::remove(file);

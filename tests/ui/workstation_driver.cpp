@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/workstation_driver.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "support/environment.h"
 #include "support/folders.h"
+#include "ui/program_command.h"
 #include "ui/workstation_state.h"
 
 namespace c3de::test {
@@ -45,8 +47,7 @@ std::string essentials(const Json &state) {
   return shown.dump(1);
 }
 
-// The program for Windows is driven in the same manner under wine, on the display of this process. C3DE_WINDOWS_BUILD in the
-// environment is its build, C3DE_WINE the script that starts wine.
+// The program for Windows is driven in the same manner, on the display of this process.
 bool isForWindows() { return !environmentVariable("C3DE_WINDOWS_BUILD").empty(); }
 
 // What wine calls a file of this machine; plugins are those of the build for Windows.
@@ -60,19 +61,28 @@ std::string argumentForWindows(const std::string &argument) {
   return "Z:" + file.string();
 }
 
-std::vector<std::string> programCommand(const std::vector<std::string> &arguments) {
-  std::vector<std::string> all;
-  if (isForWindows()) {
-    all = {environmentVariable("C3DE_WINE"), environmentVariable("C3DE_WINDOWS_BUILD") + "/bin/c3de-workstation.exe"};
-    for (const std::string &argument : arguments) all.push_back(argumentForWindows(argument));
-  } else {
-    all = {C3DE_PROGRAM};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-  }
+// With its window program where `opensWindow`: it can be ended at once.
+std::vector<std::string> commandFor(const std::vector<std::string> &arguments, bool opensWindow) {
+  std::vector<std::string> all{C3DE_PROGRAM};
+  if (isForWindows())
+    all = {environmentVariable("C3DE_WINE"),
+           environmentVariable("C3DE_WINDOWS_BUILD") + (opensWindow ? "/bin/c3de-workstation.exe" : "/bin/c3de.exe")};
+  for (const std::string &argument : arguments) all.push_back(isForWindows() ? argumentForWindows(argument) : argument);
   return all;
 }
 
 }  // namespace
+
+std::vector<std::string> programCommand(const std::vector<std::string> &arguments) {
+  return commandFor(arguments, false);
+}
+
+std::filesystem::path fileOfProgram(const std::string &name) {
+  if (!isForWindows() || !name.starts_with("Z:")) return name;
+  std::string here = name.substr(2);
+  std::replace(here.begin(), here.end(), '\\', '/');
+  return here;
+}
 
 std::filesystem::path outputFile(const std::string &name) {
   const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
@@ -101,7 +111,7 @@ std::string WorkstationDriver::whyNot() {
 void WorkstationDriver::start(const std::vector<std::string> &arguments) {
   std::vector<std::string> all{"--automation-state", stateFile_.string()};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  launch(programCommand(all));
+  launch(commandFor(all, true));
   if (isForWindows()) {
     // Without a window manager its first position leaves room for a title bar; the driver's points are those of the screen.
     waitUntil("the window is there", [](const Json &s) { return s["frame"].get<int>() >= 2; });
@@ -119,7 +129,7 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
     all.emplace_back("env");
     all.insert(all.end(), environment.begin(), environment.end());
   }
-  const std::vector<std::string> command = programCommand(arguments);
+  const std::vector<std::string> command = commandFor(arguments, true);
   all.insert(all.end(), command.begin(), command.end());
   launch(all);
   return waitForExit();

@@ -4,6 +4,8 @@ export WINEPREFIX="${C3DE_WINE_PREFIX:-$(cd "$(dirname "$0")/../.." && pwd)/buil
 export WINEDEBUG="${WINEDEBUG:--all}"
 # Arguments and names of files are UTF-8.
 export LC_ALL=C.UTF-8
+# A program that crashes ends, as without a debugger; nothing asks to download parts of wine.
+export WINEDLLOVERRIDES="${WINEDLLOVERRIDES:-winedbg.exe=d;mscoree=d;mshtml=d}"
 # The only path that the tests pass by the environment.
 case "${C3DE_HOME:-}" in /*) export C3DE_HOME="Z:$C3DE_HOME" ;; esac
 mkdir -p "$(dirname "$WINEPREFIX")"

@@ -73,9 +73,14 @@ std::wstring commandLine(const std::vector<std::string> &arguments) {
   std::wstring line;
   for (const std::string &argument : arguments) {
     if (!line.empty()) line += L' ';
+    const std::wstring text = wide(argument);
+    if (!text.empty() && text.find_first_of(L" \t\n\v\"") == std::wstring::npos) {
+      line += text;  // cmd.exe knows its own options without quotes only
+      continue;
+    }
     line += L'"';
     std::size_t backslashes = 0;
-    for (const wchar_t c : wide(argument)) {
+    for (const wchar_t c : text) {
       if (c == L'\\') {
         ++backslashes;
         continue;
