@@ -457,7 +457,7 @@ TEST_CASE("F12 writes a picture and says where", "[screenshot]") {
   window.key("F12");
   const Json state = C3DE_WAIT(window, "it says where", s["notifications"].size() == 1);
   CHECK(state["notifications"][0]["title"] == "Screenshot saved");
-  const std::filesystem::path file = fileOfProgram(state["notifications"][0]["text"]);
+  const std::filesystem::path file = c3de::test::fileOfProgram(state["notifications"][0]["text"]);
   REQUIRE(std::filesystem::is_regular_file(file));
   CHECK(std::filesystem::file_size(file) > 500);
   std::filesystem::remove(file);
