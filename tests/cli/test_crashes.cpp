@@ -112,13 +112,16 @@ TEST_CASE("a plugin that ends a run is named, the run has failed, and the next o
   struct Case {
     const char *where, *said;
   };
-  for (const Case &one : {Case{"step exit", "by exit() within apply of a force field"},
+  for (const Case &one : {
+         Case{"step exit", "by exit() within apply of a force field"},
 #if !defined(__MINGW32__)
-                          Case{"step quick_exit", "by quick_exit() within apply of a force field"},
+             Case{"step quick_exit", "by quick_exit() within apply of a force field"},
 #endif
-                          Case{"step _Exit", "by _Exit() within apply of a force field"},
-                          Case{"step thread exit", "by exit() on a thread of its own"},
-                          Case{"step thread _Exit", "by _Exit() on a thread of its own"}}) {
+             Case{"step _Exit", "by _Exit() within apply of a force field"},
+             Case{"step thread exit", "by exit() on a thread of its own"}, Case {
+           "step thread _Exit", "by _Exit() on a thread of its own"
+         }
+       }) {
     INFO(one.where);
     const Person person(std::string("ends-the-run-") + one.where);
     const auto ended = person.run(one.where);

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "support/catch.h"
 
@@ -38,6 +39,15 @@ TEST_CASE("a process that does not end is ended") {
   REQUIRE(result);
   CHECK(result->timedOut);
   CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 10.0);
+}
+
+TEST_CASE("text of paths is UTF-8, that of a plain string as well") {
+  for (const std::string name : {"organ", "Größe é.txt", "肝臓", "😀 bild", "\u07ff\u0800\uffff"}) {
+    INFO(name);
+    const std::filesystem::path path(name);
+    CHECK(path == pathFromText(name));
+    CHECK(pathText(path) == name);
+  }
 }
 
 #if !defined(_WIN32)
