@@ -13,6 +13,10 @@ function(c3de_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} c3de_test_support c3de_warnings c3de_sanitizers)
   c3de_test_definitions(${name} ${ARG_DEFINITIONS})
+  if(C3DE_TEST_DRIVE)
+    # The GDCM of tools/windows contains a zlib of its own, with the functions of the other one.
+    target_link_options(${name} PRIVATE -Wl,--allow-multiple-definition)
+  endif()
   # Tests run once and spend their time in what they test, which keeps its own flags.
   c3de_compile_quickly(${name})
   list(LENGTH ARG_SOURCES count)

@@ -113,9 +113,17 @@ void WorkstationDriver::start(const std::vector<std::string> &arguments) {
   all.insert(all.end(), arguments.begin(), arguments.end());
   launch(commandFor(all, true));
   if (isForWindows()) {
-    // Without a window manager its first position leaves room for a title bar; the driver's points are those of the screen.
-    waitUntil("the window is there", [](const Json &s) { return s["frame"].get<int>() >= 2; });
-    xdotool({"search", "--sync", "--name", "^C3DE|C3DE$", "windowmove", "--sync", "0", "0"});
+    // Without a window manager its first position leaves room for a title bar; the driver's points are those of the
+    // screen. Wine may place it once more while it starts.
+    int tries = 0;
+    waitUntil("the window is in the corner of the screen", [&](const Json &s) {
+      if (s["frame"].get<int>() < 2) return false;
+      const int x = 700 + tries++ % 2;
+      xdotool({"search", "--name", "^C3DE|C3DE$", "windowmove", "0", "0", "mousemove", std::to_string(x), "450"});
+      pause(150);
+      const Json now = state();
+      return now["mouse"]["x"] == x && now["mouse"]["y"] == 450;
+    });
   }
   // A few frames, so that everything that opens at the start has opened.
   waitUntil("the window is drawn",
