@@ -119,7 +119,7 @@ void WorkstationDriver::start(const std::vector<std::string> &arguments) {
     waitUntil("the window is in the corner of the screen", [&](const Json &s) {
       if (s["frame"].get<int>() < 2) return false;
       const int x = 700 + tries++ % 2;
-      xdotool({"search", "--name", "^C3DE|C3DE$", "windowmove", "0", "0", "mousemove", std::to_string(x), "450"});
+      xdotool({"search", "--name", "^C3DE|C3DE$", "windowmove", "%@", "0", "0", "mousemove", std::to_string(x), "450"});
       pause(150);
       const Json now = state();
       return now["mouse"]["x"] == x && now["mouse"]["y"] == 450;

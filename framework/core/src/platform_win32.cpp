@@ -10,6 +10,7 @@
 #include <chrono>
 #include <clocale>
 #include <cstdio>
+#include <mutex>
 #include <new>
 #include <thread>
 #include <utility>
@@ -123,6 +124,13 @@ class ProcessTree {
   HANDLE job_;
   bool isAdded_ = false;
 };
+
+/// Held while this process has handles that a new process inherits: every process that is started inherits all of them, and
+/// a file or pipe that another one holds open too can neither be removed nor come to its end.
+std::mutex &inheritance() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 /// @param tree  to which the process is added; null: none
 Expected<PROCESS_INFORMATION> start(const std::vector<std::string> &arguments, STARTUPINFOW &startup, DWORD flags,
@@ -297,6 +305,7 @@ Expected<int> continueAs(const std::vector<std::string> &arguments) {
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
   HANDLE outRead, outWrite, errRead, errWrite;
+  std::unique_lock<std::mutex> inherited(inheritance());
   if (!CreatePipe(&outRead, &outWrite, &inherit, 0)) return fail(ErrorCode::state, "no pipe");
   if (!CreatePipe(&errRead, &errWrite, &inherit, 0)) {
     CloseHandle(outRead);
@@ -309,6 +318,7 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   const Expected<PROCESS_INFORMATION> process = spawn(arguments, outWrite, errWrite, &tree);
   CloseHandle(outWrite);
   CloseHandle(errWrite);
+  inherited.unlock();
   ProcessResult result;
   if (process) {
     std::thread outReader(readAll, outRead, &result.output), errReader(readAll, errRead, &result.errorOutput);
@@ -361,6 +371,7 @@ FileLock::~FileLock() {
 Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments,
                                            const std::filesystem::path &log) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
+  const std::lock_guard<std::mutex> inherited(inheritance());
   const HANDLE file = CreateFileW(log.c_str(), GENERIC_WRITE, FILE_SHARE_READ, &inherit, CREATE_ALWAYS, 0, nullptr);
   const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file, nullptr);
   CloseHandle(file);
