@@ -34,7 +34,9 @@ struct Loading {
 
 void endsTheProgram(const std::string &place) {
   if (diesIn(place + " exit")) std::exit(0);
+#if !defined(__MINGW32__)  // its C library has no such function
   if (diesIn(place + " quick_exit")) std::quick_exit(0);
+#endif
   if (diesIn(place + " _Exit")) std::_Exit(0);
   if (diesIn(place + " thread exit")) std::thread([] { std::exit(0); }).join();
   if (diesIn(place + " thread _Exit")) std::thread([] { std::_Exit(0); }).join();

@@ -53,6 +53,15 @@ class Person {
   fs::path scene_;
 };
 
+/// An exit code of a program that the system has ended.
+bool isCrash(int exitCode) {
+#if defined(_WIN32)
+  return exitCode < 0 || exitCode == 3;  // the code of an exception, or abort()
+#else
+  return exitCode >= 128;
+#endif
+}
+
 }  // namespace
 
 TEST_CASE("a plugin that dies, hangs or exits at its first use is refused, and the run goes on") {
@@ -86,7 +95,7 @@ TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the 
     INFO(where);
     const Person person(std::string("trusted-") + where);
     const auto died = person.run(where, {"--trust-plugins"});
-    CHECK(died.exitCode >= 128);
+    CHECK(isCrash(died.exitCode));
     const std::string place = where == std::string("create") ? "(create)"
                               : where == std::string("step") ? "(apply of a force field)"
                                                              : "(on its own thread)";
@@ -112,11 +121,16 @@ TEST_CASE("a plugin that ends a run is named, the run has failed, and the next o
   struct Case {
     const char *where, *said;
   };
-  for (const Case &one : {Case{"step exit", "by exit() within apply of a force field"},
-                          Case{"step quick_exit", "by quick_exit() within apply of a force field"},
-                          Case{"step _Exit", "by _Exit() within apply of a force field"},
-                          Case{"step thread exit", "by exit() on a thread of its own"},
-                          Case{"step thread _Exit", "by _Exit() on a thread of its own"}}) {
+  for (const Case &one : {
+         Case{"step exit", "by exit() within apply of a force field"},
+#if !defined(__MINGW32__)
+             Case{"step quick_exit", "by quick_exit() within apply of a force field"},
+#endif
+             Case{"step _Exit", "by _Exit() within apply of a force field"},
+             Case{"step thread exit", "by exit() on a thread of its own"}, Case {
+           "step thread _Exit", "by _Exit() on a thread of its own"
+         }
+       }) {
     INFO(one.where);
     const Person person(std::string("ends-the-run-") + one.where);
     const auto ended = person.run(one.where);
@@ -140,7 +154,7 @@ TEST_CASE("a simulator that dies while it builds a body is named, with the call"
       writeFile(folder / "scene.toml", "format = 1\n[[body]]\nname = \"box\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n");
   const auto died =
       runC3de({"run", scene.string(), "--steps", "1", "--no-plugins", "--plugin", C3DE_RECORDER, "--trust-plugins"});
-  CHECK(died.exitCode >= 128);
+  CHECK(isCrash(died.exitCode));
   CHECK_THAT(died.errorOutput, Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (building a body)"));
 }
 
@@ -168,7 +182,7 @@ TEST_CASE("a plugin can be left out, for one run or for all") {
   CHECK_THAT(person.listed().at("reason").get<std::string>(), Contains("c3de plugins --on test.dying"));
   CHECK(person.run("step").exitCode == 0);
   // Naming the file explicitly loads it.
-  CHECK(person.run("step", {"--plugin", person.plugin.string()}).exitCode >= 128);
+  CHECK(isCrash(person.run("step", {"--plugin", person.plugin.string()}).exitCode));
   const auto misspelt = person.plugins({"--on", "test.diying"});
   CHECK(misspelt.exitCode == 2);
   CHECK_THAT(misspelt.errorOutput, Contains("did you mean test.dying?"));

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Runs a line of bash; the first argument of its own, $0, is the program.
-c3de::ProcessResult runInShell(const std::string &line, std::vector<std::string> arguments = {}) {
+[[maybe_unused]] c3de::ProcessResult runInShell(const std::string &line, std::vector<std::string> arguments = {}) {
   std::vector<std::string> all{"env", "-u",       "DISPLAY", "-u", "WAYLAND_DISPLAY", "bash",
                                "-o",  "pipefail", "-c",      line, C3DE_PROGRAM};
   all.insert(all.end(), arguments.begin(), arguments.end());

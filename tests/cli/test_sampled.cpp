@@ -76,7 +76,11 @@ TEST_CASE("A report has the times of steps, what is conserved at the start, and 
   CHECK(times["median"] <= times["p99"]);
   CHECK(times["p99"] <= times["max"]);
   CHECK(times["max"].get<double>() <= 1e3 * report["wall_s"].get<double>() * 1.001);
+#if defined(_WIN32)
+  CHECK(report["cpu_s"] >= 0.0);  // counted in ticks of 10 to 16 ms
+#else
   CHECK(report["cpu_s"] > 0.0);
+#endif
   const double mass = report["bodies"][0]["mass_kg"];
   CHECK(report["start"][0]["name"] == "box");
   CHECK_THAT(report["start"][0]["momentum"][0].get<double>(), WithinRel(mass, 1e-9));

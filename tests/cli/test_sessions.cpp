@@ -170,7 +170,7 @@ TEST_CASE("Folders are searched for files of a session that have moved", "[sessi
   info.insert(info.end(), search.begin(), search.end());
   const json described = json::parse(runC3de(info).output);
   CHECK(described["files"][0]["state"] == "same");
-  CHECK(described["files"][0]["at"] == (disk / "other_name.obj").string());
+  CHECK(fs::path(described["files"][0]["at"].get<std::string>()) == disk / "other_name.obj");
   std::vector<std::string> saving = search;
   saving.insert(saving.end(), {"--save-session", (folder / "b.c3de").string()});
   CHECK(hashAfter(session, "10", saving) == half);

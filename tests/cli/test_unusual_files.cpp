@@ -2,6 +2,7 @@
 // Paths without a regular file, meshes in several units, terminals that close.
 #include <algorithm>
 
+#include "c3de/core/path_text.h"
 #include "program.h"
 #include "support/gltf.h"
 #include "support/pipes.h"
@@ -34,6 +35,28 @@ TEST_CASE("A glTF is in metres for info, run and scenes alike") {
   const double mass = massOf(scene);
   CHECK_THAT(massOf(mesh), WithinRel(mass, 1e-9));
   CHECK_THAT(massOf(mesh, {"--unit", "m"}), WithinRel(mass, 1e-9));
+}
+
+TEST_CASE("Names in any script, and long ones, are read and written") {
+  auto folder = freshFolder("any-script") / pathFromText("Größe 肝臓 😀");
+  // Together beyond the 260 characters that Windows has allowed for long.
+  for (const char letter : {'a', 'b', 'c'}) folder /= std::string(90, letter);
+  std::filesystem::create_directories(folder);
+  writeBoxScene(folder);
+  const auto mesh = folder / pathFromText("Körper é.obj"), scene = folder / pathFromText("場面.toml");
+  std::filesystem::rename(folder / "box.obj", mesh);
+  writeFile(scene, "format = 1\n[[body]]\nmesh = \"Körper é.obj\"\nmesh_unit = \"m\"\n");
+  const auto info = runC3de({"info", pathText(mesh)});
+  INFO(info.errorOutput);
+  CHECK(info.exitCode == 0);
+  CHECK_THAT(info.output, Contains(pathText(mesh.filename())));
+  const auto report = folder / pathFromText("отчёт 😀.json"), session = folder / pathFromText("sitzung ß.c3de");
+  const auto ran = runC3de({"run", pathText(scene), "--steps", "2", "-q", "--report", pathText(report),
+                            "--save-session", pathText(session)});
+  INFO(ran.errorOutput);
+  CHECK(ran.exitCode == 0);
+  CHECK(readJson(report)["bodies"].size() == 1);
+  CHECK(runC3de({"info", pathText(session)}).exitCode == 0);
 }
 
 TEST_CASE("A scene names its mesh with backslashes") {

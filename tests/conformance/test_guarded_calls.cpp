@@ -436,10 +436,10 @@ TEST_CASE("a plugin that ends the program is named, and the program does not ans
 }
 
 TEST_CASE("the record of a call costs some nanoseconds") {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin_s = processorTime_s();
   constexpr int kCalls = 1'000'000;
   for (int i = 0; i < kCalls; ++i) const PluginCall call("owner", "what", CallKind::prompt);
-  const auto each = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin) / kCalls;
-  INFO(each.count() << " ns");
-  CHECK(each.count() < 200.0);
+  const double each_ns = 1e9 * (processorTime_s() - begin_s) / kCalls;
+  INFO(each_ns << " ns");
+  CHECK(each_ns < 200.0);
 }

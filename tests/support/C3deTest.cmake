@@ -1,11 +1,22 @@
 # c3de_test(NAME SOURCES … [LINKS …] [LABELS …] [PRECOMPILE <header> … | PRECOMPILED_LIKE other])
 # A Catch2 program whose test cases become ctest tests. A case that calls C3DE_SKIP (support/catch.h) counts as skipped.
 include(Catch)
+
+# Programs for Windows that are built and tested on Linux find the files of the tree on wine's drive Z.
+set(C3DE_TEST_DRIVE "")
+if(WIN32 AND CMAKE_CROSSCOMPILING)
+  set(C3DE_TEST_DRIVE "Z:")
+endif()
+
 function(c3de_test name)
   cmake_parse_arguments(ARG "" "PRECOMPILED_LIKE" "SOURCES;LINKS;LABELS;DEFINITIONS;PRECOMPILE" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} c3de_test_support c3de_warnings c3de_sanitizers)
-  target_compile_definitions(${name} PRIVATE ${ARG_DEFINITIONS})
+  c3de_test_definitions(${name} ${ARG_DEFINITIONS})
+  if(C3DE_TEST_DRIVE)
+    # The GDCM of tools/windows contains a zlib of its own, with the functions of the other one.
+    target_link_options(${name} PRIVATE -Wl,--allow-multiple-definition)
+  endif()
   # Tests run once and spend their time in what they test, which keeps its own flags.
   c3de_compile_quickly(${name})
   list(LENGTH ARG_SOURCES count)
@@ -20,6 +31,13 @@ function(c3de_test name)
     list(APPEND props LABELS "${ARG_LABELS}")
   endif()
   catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES ${props})
+endfunction()
+
+# c3de_test_definitions(TARGET DEFINITIONS …): definitions that may be paths of this machine, as the program sees them.
+function(c3de_test_definitions target)
+  set(definitions ${ARGN})
+  list(TRANSFORM definitions REPLACE "(=\"|\\|)(/|\\$<TARGET_FILE:)" "\\1${C3DE_TEST_DRIVE}\\2")
+  target_compile_definitions(${target} PRIVATE ${definitions})
 endfunction()
 
 # c3de_test_library(NAME SOURCES … [LINKS …] [PRECOMPILE <header> … | PRECOMPILED_LIKE other])

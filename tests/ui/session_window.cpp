@@ -3,6 +3,7 @@
 
 #include "c3de/core/platform.h"
 #include "support/catch.h"
+#include "ui/program_command.h"
 
 namespace c3de::test {
 
@@ -31,7 +32,7 @@ void waitForMessage(WorkstationDriver &window, const std::string &wanted) {
 }
 
 Json describe(const fs::path &session) {
-  const auto described = runProcess({C3DE_PROGRAM, "info", session.string(), "--json"}, 60.0);
+  const auto described = runProcess(programCommand({"info", session.string(), "--json"}), 60.0);
   REQUIRE(described);
   INFO(described->errorOutput);
   REQUIRE(described->exitCode == 0);
@@ -49,7 +50,7 @@ void checkReplays(const fs::path &recording) {
   for (const char *threads : {"1", "2", "7"}) {
     CAPTURE(threads);
     const auto replayed =
-        runProcess({C3DE_PROGRAM, "replay", recording.string(), "--check", "--threads", threads}, 300.0);
+        runProcess(programCommand({"replay", recording.string(), "--check", "--threads", threads}), 300.0);
     REQUIRE(replayed);
     INFO(replayed->errorOutput);
     CHECK(replayed->exitCode == 0);

@@ -13,6 +13,7 @@
 #include "support/environment.h"
 #include "support/png_resolution.h"
 #include "ui/image_window.h"
+#include "ui/program_command.h"
 #include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -155,7 +156,7 @@ TEST_CASE("screenshots have the size of the menu, also after a restart", "[scree
       for (const Json &message : state["notifications"]) {
         if (message["title"] != "Screenshot saved") continue;
         const std::string text = message["text"].get<std::string>();
-        const fs::path file = text.substr(0, text.find('\n'));
+        const fs::path file = fileOfProgram(text.substr(0, text.find('\n')));
         if (std::find(files.begin(), files.end(), file) == files.end()) return file;
       }
       return fs::path();

@@ -9,6 +9,7 @@
 #include "support/catch.h"
 #include "support/environment.h"
 #include "ui/image_window.h"
+#include "ui/program_command.h"
 #include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -190,12 +191,12 @@ TEST_CASE("folders are remembered and bookmarked, and a rule sets window and lev
     window.click("preferences/folder");
     window.type(folder.string());
     window.key("Tab");
-    C3DE_WAIT(window, "dialogs begin there", preference(s, "folder") == folder.string());
+    C3DE_WAIT(window, "dialogs begin there", fileOfProgram(preference(s, "folder")) == folder);
     window.screenshot("rule");
     closeDialog(window);
 
     window.key("ctrl+i");
-    C3DE_WAIT(window, "the dialog begins there", textOf(s, "dialog/folder") == folder.string());
+    C3DE_WAIT(window, "the dialog begins there", fileOfProgram(textOf(s, "dialog/folder")) == folder);
     window.click("dialog/bookmark");
     C3DE_WAIT(window, "it is a bookmark", textOf(s, "dialog/bookmarked") == "true");
     window.click("dialog/entry.phantom_lung.nii.gz");
@@ -211,17 +212,17 @@ TEST_CASE("folders are remembered and bookmarked, and a rule sets window and lev
   C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/up"));
   window.click("dialog/entry.deeper");
   window.click("dialog/open");
-  C3DE_WAIT(window, "another folder is shown", textOf(s, "dialog/folder") == (folder / "deeper").string());
+  C3DE_WAIT(window, "another folder is shown", fileOfProgram(textOf(s, "dialog/folder")) == folder / "deeper");
   window.click("dialog/bookmarks");
   window.screenshot("bookmarks");
   window.click("dialog/bookmarks.0");
-  C3DE_WAIT(window, "the bookmark is shown", textOf(s, "dialog/folder") == folder.string());
+  C3DE_WAIT(window, "the bookmark is shown", fileOfProgram(textOf(s, "dialog/folder")) == folder);
   window.click("dialog/bookmark");
   C3DE_WAIT(window, "it is no bookmark any more", textOf(s, "dialog/bookmarked") == "false");
   window.click("dialog/up");
   window.click("dialog/recent");
   window.click("dialog/recent.0");
-  C3DE_WAIT(window, "the recent folder is shown", textOf(s, "dialog/folder") == folder.string());
+  C3DE_WAIT(window, "the recent folder is shown", fileOfProgram(textOf(s, "dialog/folder")) == folder);
   window.click("dialog/cancel");
   CHECK_THAT(fileText(configIn(home)), Contains("bookmarks = []"));
   quit(window);

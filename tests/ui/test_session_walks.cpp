@@ -13,6 +13,7 @@
 
 #include "support/catch.h"
 #include "support/environment.h"
+#include "ui/program_command.h"
 #include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -140,7 +141,7 @@ void checkKill(std::uint64_t seed) {
   // A write that was interrupted leaves the file before.
   CHECK(ageOf(described, killed) <= 10.0 + 1.0);  // the file names whole seconds
   const auto resumed = runProcess(
-      {C3DE_PROGRAM, "run", file.string(), "--steps", std::to_string(described["steps"].get<int>() + 20)}, 120.0);
+      programCommand({"run", file.string(), "--steps", std::to_string(described["steps"].get<int>() + 20)}), 120.0);
   REQUIRE(resumed);
   INFO(resumed->errorOutput);
   CHECK(resumed->exitCode == 0);

@@ -11,6 +11,7 @@
 
 #include "c3de/render/png_file.h"
 #include "support/catch.h"
+#include "ui/program_command.h"
 #include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -89,7 +90,7 @@ void waitForModulus(WorkstationDriver &window, const std::string &text) {
 
 /// The state hash of a session.
 std::string hashOf(const fs::path &session) {
-  const auto described = runProcess({C3DE_PROGRAM, "info", session.string(), "--json"}, 60.0);
+  const auto described = runProcess(programCommand({"info", session.string(), "--json"}), 60.0);
   REQUIRE(described);
   INFO(described->errorOutput);
   REQUIRE(described->exitCode == 0);
@@ -198,8 +199,8 @@ TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment o
   window.key("ctrl+s");
   window.enterFile(session);
   waitForMessage(window, "Session saved");
-  const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--until",
-                                    fmt::format("{}", time_s), "--save-session", straight.string()},
+  const auto replayed = runProcess(programCommand({"replay", file.string(), "--check", "--until",
+                                                   fmt::format("{}", time_s), "--save-session", straight.string()}),
                                    120.0);
   REQUIRE(replayed);
   INFO(replayed->errorOutput << replayed->output);
@@ -251,7 +252,7 @@ TEST_CASE("the past of an implicit run is shown, and the present is returned to"
   window.enterFile(session);
   waitForMessage(window, "Session saved");
   const auto replayed =
-      runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--save-session", straight.string()}, 120.0);
+      runProcess(programCommand({"replay", file.string(), "--check", "--save-session", straight.string()}), 120.0);
   REQUIRE(replayed);
   INFO(replayed->errorOutput << replayed->output);
   REQUIRE(replayed->exitCode == 0);
@@ -347,10 +348,11 @@ TEST_CASE("a stretch of a recording is exported as pictures and for ParaView", "
 
   // Each frame is that of the command line at the last step not after its time. There, each step is a frame.
   const auto seconds = [&](double steps) { return std::to_string(steps * step_s); };
-  const auto replayed = runProcess(
-      {C3DE_PROGRAM, "replay", file.string(), "--export", (straight / "pull.pvd").string(), "--from",
-       seconds(begin - 0.5), "--export-every", std::to_string(0.01 * step_s), "--until", seconds(begin + 150)},
-      120.0);
+  const auto replayed =
+      runProcess(programCommand({"replay", file.string(), "--export", (straight / "pull.pvd").string(), "--from",
+                                 seconds(begin - 0.5), "--export-every", std::to_string(0.01 * step_s), "--until",
+                                 seconds(begin + 150)}),
+                 120.0);
   REQUIRE(replayed);
   INFO(replayed->errorOutput << replayed->output);
   REQUIRE(replayed->exitCode == 0);

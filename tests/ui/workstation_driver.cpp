@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/workstation_driver.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "support/environment.h"
 #include "support/folders.h"
+#include "ui/program_command.h"
 #include "ui/workstation_state.h"
 
 namespace c3de::test {
@@ -45,7 +47,42 @@ std::string essentials(const Json &state) {
   return shown.dump(1);
 }
 
+// The program for Windows is driven in the same manner, on the display of this process.
+bool isForWindows() { return !environmentVariable("C3DE_WINDOWS_BUILD").empty(); }
+
+// What wine calls a file of this machine; plugins are those of the build for Windows.
+std::string argumentForWindows(const std::string &argument) {
+  if (!argument.starts_with('/')) return argument;
+  const std::filesystem::path build = std::filesystem::path(testOutputRoot()).parent_path();
+  std::filesystem::path file = argument;
+  const std::filesystem::path inBuild = file.lexically_relative(build);
+  if (file.extension() == pluginExtension() && !inBuild.empty() && *inBuild.begin() != "..")
+    file = (environmentVariable("C3DE_WINDOWS_BUILD") / inBuild).replace_extension(".dll");
+  return "Z:" + file.string();
+}
+
+// With its window program where `opensWindow`: it can be ended at once.
+std::vector<std::string> commandFor(const std::vector<std::string> &arguments, bool opensWindow) {
+  std::vector<std::string> all{C3DE_PROGRAM};
+  if (isForWindows())
+    all = {environmentVariable("C3DE_WINE"),
+           environmentVariable("C3DE_WINDOWS_BUILD") + (opensWindow ? "/bin/c3de-workstation.exe" : "/bin/c3de.exe")};
+  for (const std::string &argument : arguments) all.push_back(isForWindows() ? argumentForWindows(argument) : argument);
+  return all;
+}
+
 }  // namespace
+
+std::vector<std::string> programCommand(const std::vector<std::string> &arguments) {
+  return commandFor(arguments, false);
+}
+
+std::filesystem::path fileOfProgram(const std::string &name) {
+  if (!isForWindows() || !name.starts_with("Z:")) return name;
+  std::string here = name.substr(2);
+  std::replace(here.begin(), here.end(), '\\', '/');
+  return here;
+}
 
 std::filesystem::path outputFile(const std::string &name) {
   const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
@@ -72,9 +109,22 @@ std::string WorkstationDriver::whyNot() {
 }
 
 void WorkstationDriver::start(const std::vector<std::string> &arguments) {
-  std::vector<std::string> all{C3DE_PROGRAM, "--automation-state", stateFile_.string()};
+  std::vector<std::string> all{"--automation-state", stateFile_.string()};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  launch(all);
+  launch(commandFor(all, true));
+  if (isForWindows()) {
+    // Without a window manager its first position leaves room for a title bar; the driver's points are those of the
+    // screen. Wine may place it once more while it starts.
+    int tries = 0;
+    waitUntil("the window is in the corner of the screen", [&](const Json &s) {
+      if (s["frame"].get<int>() < 2) return false;
+      const int x = 700 + tries++ % 2;
+      xdotool({"search", "--name", "^C3DE|C3DE$", "windowmove", "%@", "0", "0", "mousemove", std::to_string(x), "450"});
+      pause(150);
+      const Json now = state();
+      return now["mouse"]["x"] == x && now["mouse"]["y"] == 450;
+    });
+  }
   // A few frames, so that everything that opens at the start has opened.
   waitUntil("the window is drawn",
             [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); });
@@ -87,8 +137,8 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
     all.emplace_back("env");
     all.insert(all.end(), environment.begin(), environment.end());
   }
-  all.emplace_back(C3DE_PROGRAM);
-  all.insert(all.end(), arguments.begin(), arguments.end());
+  const std::vector<std::string> command = commandFor(arguments, true);
+  all.insert(all.end(), command.begin(), command.end());
   launch(all);
   return waitForExit();
 }

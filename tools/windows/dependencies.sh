@@ -99,7 +99,11 @@ built spdlog with_cmake spdlog -DSPDLOG_FMT_EXTERNAL=ON -DSPDLOG_BUILD_EXAMPLE=O
 built meshoptimizer with_cmake meshoptimizer
 built highway with_cmake highway -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF
 built libccd with_cmake libccd -DENABLE_DOUBLE_PRECISION=ON
+# The ports are this project's own files: they are built again when one changes.
+ports=$(cat "$here"/ports/* | sha256sum)
+[ "$(cat "$prefix/.built-ports" 2>/dev/null || true)" = "$ports" ] || rm -f "$prefix/.built-ports"
 built ports with_ports
+echo "$ports" >"$prefix/.built-ports"
 built openssl with_openssl
 # AABB trees only: no octrees. Eigen's alignment as on every other system (docs/dev/dependencies.md).
 built fcl with_cmake fcl -DFCL_STATIC_LIBRARY=ON -DFCL_WITH_OCTOMAP=OFF -DFCL_USE_HOST_NATIVE_ARCH=OFF -DFCL_USE_X64_SSE=OFF \

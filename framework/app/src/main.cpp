@@ -7,6 +7,7 @@
 
 #include "c3de/core/crash_journal.h"
 #include "c3de/core/log.h"
+#include "c3de/core/program_arguments.h"
 #include "c3de/core/text.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -112,7 +113,8 @@ int main(int argc, char **argv) {
 #endif
   int exitCode = kFailed;
   try {
-    exitCode = exitCodeAfterOutput(runCommandLine(argc, argv, ranks));
+    ProgramArguments arguments(argc, argv);
+    exitCode = exitCodeAfterOutput(runCommandLine(arguments.count(), arguments.values(), ranks));
   } catch (const std::exception &error) {
     exitCode = reportError({ErrorCode::internal, std::string("unexpected: ") + error.what()});
   }

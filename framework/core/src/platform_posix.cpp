@@ -28,6 +28,7 @@
 #include "c3de/core/embedding.h"
 #include "c3de/core/guarded_memory.h"
 #include "c3de/core/platform.h"
+#include "c3de/core/program_arguments.h"
 #include "descriptors.h"
 #include "open_file.h"
 #include "plugin_call_environment.h"
@@ -121,6 +122,10 @@ std::filesystem::path modulePath() {
     return error ? executablePath() : found;
   }();
   return path;
+}
+
+ProgramArguments::ProgramArguments(int argc, char **argv) : pointers_(argv, argv + argc) {
+  pointers_.push_back(nullptr);
 }
 
 OwnEnvironment::OwnEnvironment() {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <windows.h>
 
+#include <fcntl.h>
 #include <io.h>
+#include <shellapi.h>
 #include <shlobj.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <clocale>
 #include <cstdio>
+#include <mutex>
 #include <new>
 #include <thread>
 #include <utility>
@@ -15,6 +19,7 @@
 #include "c3de/core/guarded_memory.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
+#include "c3de/core/program_arguments.h"
 #include "descriptors.h"
 #include "open_file.h"
 #include "plugin_call_environment.h"
@@ -69,9 +74,14 @@ std::wstring commandLine(const std::vector<std::string> &arguments) {
   std::wstring line;
   for (const std::string &argument : arguments) {
     if (!line.empty()) line += L' ';
+    const std::wstring text = wide(argument);
+    if (!text.empty() && text.find_first_of(L" \t\n\v\"") == std::wstring::npos) {
+      line += text;  // cmd.exe knows its own options without quotes only
+      continue;
+    }
     line += L'"';
     std::size_t backslashes = 0;
-    for (const wchar_t c : wide(argument)) {
+    for (const wchar_t c : text) {
       if (c == L'\\') {
         ++backslashes;
         continue;
@@ -86,20 +96,68 @@ std::wstring commandLine(const std::vector<std::string> &arguments) {
   return line;
 }
 
-Expected<PROCESS_INFORMATION> spawn(const std::vector<std::string> &arguments, HANDLE out, HANDLE err) {
+/// A process and those that it starts.
+class ProcessTree {
+ public:
+  /// @param endsWithThis  this process ends them by its end, whatever the reason
+  explicit ProcessTree(bool endsWithThis) : job_(CreateJobObjectW(nullptr, nullptr)) {
+    JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits{};
+    limits.BasicLimitInformation.LimitFlags = endsWithThis ? JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE : 0;
+    if (job_ != nullptr) SetInformationJobObject(job_, JobObjectExtendedLimitInformation, &limits, sizeof limits);
+  }
+  ~ProcessTree() {
+    if (job_ != nullptr) CloseHandle(job_);
+  }
+  ProcessTree(const ProcessTree &) = delete;
+  ProcessTree &operator=(const ProcessTree &) = delete;
+
+  /// @param process  has not run yet. Where it cannot be added, end() ends it alone.
+  void add(HANDLE process) { isAdded_ = job_ != nullptr && AssignProcessToJobObject(job_, process); }
+  void end(HANDLE process, UINT exitCode) const {
+    if (isAdded_)
+      TerminateJobObject(job_, exitCode);
+    else
+      TerminateProcess(process, exitCode);
+  }
+
+ private:
+  HANDLE job_;
+  bool isAdded_ = false;
+};
+
+/// Held while this process has handles that a new process inherits: every process that is started inherits all of them, and
+/// a file or pipe that another one holds open too can neither be removed nor come to its end.
+std::mutex &inheritance() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// @param tree  to which the process is added; null: none
+Expected<PROCESS_INFORMATION> start(const std::vector<std::string> &arguments, STARTUPINFOW &startup, DWORD flags,
+                                    ProcessTree *tree) {
   if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
+  PROCESS_INFORMATION process{};
+  std::wstring line = commandLine(arguments);
+  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, flags | (tree != nullptr ? CREATE_SUSPENDED : 0),
+                      nullptr, nullptr, &startup, &process))
+    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
+  if (tree != nullptr) {
+    tree->add(process.hProcess);
+    ResumeThread(process.hThread);
+  }
+  CloseHandle(process.hThread);
+  return process;
+}
+
+Expected<PROCESS_INFORMATION> spawn(const std::vector<std::string> &arguments, HANDLE out, HANDLE err,
+                                    ProcessTree *tree) {
   STARTUPINFOW startup{};
   startup.cb = sizeof startup;
   startup.dwFlags = STARTF_USESTDHANDLES;
+  startup.hStdInput = GetStdHandle(STD_INPUT_HANDLE);
   startup.hStdOutput = out;
   startup.hStdError = err;
-  PROCESS_INFORMATION process{};
-  std::wstring line = commandLine(arguments);
-  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, CREATE_NO_WINDOW, nullptr, nullptr, &startup,
-                      &process))
-    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
-  CloseHandle(process.hThread);
-  return process;
+  return start(arguments, startup, CREATE_NO_WINDOW, tree);
 }
 
 void readAll(HANDLE pipe, std::string *text) {
@@ -147,6 +205,15 @@ std::filesystem::path modulePath() {
   return path;
 }
 
+ProgramArguments::ProgramArguments(int, char **) {
+  int count = 0;
+  wchar_t **arguments = CommandLineToArgvW(GetCommandLineW(), &count);
+  for (int i = 0; i < count; ++i) texts_.push_back(utf8(arguments[i]));
+  LocalFree(arguments);
+  for (std::string &text : texts_) pointers_.push_back(text.data());
+  pointers_.push_back(nullptr);
+}
+
 OwnEnvironment::OwnEnvironment() {
   (void)std::fegetenv(&before_);
   (void)std::fesetenv(FE_DFL_ENV);
@@ -184,7 +251,11 @@ std::string cpuName() {
 }
 
 std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
-  return _wfopen(path.c_str(), mode == OpenMode::replace ? L"wb" : mode == OpenMode::createNew ? L"wbx" : L"ab");
+  if (mode != OpenMode::createNew) return _wfopen(path.c_str(), mode == OpenMode::replace ? L"wb" : L"ab");
+  // Not fopen's "x": older C libraries of Windows ignore it.
+  const int descriptor =
+      _wopen(path.c_str(), _O_CREAT | _O_EXCL | _O_WRONLY | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
+  return descriptor == -1 ? nullptr : _fdopen(descriptor, "wb");
 }
 
 std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; }
@@ -219,24 +290,22 @@ int descriptorOf(std::FILE *file) { return _fileno(file); }
 void endWithParent() {}
 
 Expected<int> continueAs(const std::vector<std::string> &arguments) {
-  if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
   STARTUPINFOW startup{};
   startup.cb = sizeof startup;
-  PROCESS_INFORMATION process{};
-  std::wstring line = commandLine(arguments);
-  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr, &startup, &process))
-    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
-  WaitForSingleObject(process.hProcess, INFINITE);
+  ProcessTree tree(true);  // who ends this program ends the other one
+  const Expected<PROCESS_INFORMATION> process = start(arguments, startup, 0, &tree);
+  if (!process) return tl::unexpected<Error>(process.error());
+  WaitForSingleObject(process->hProcess, INFINITE);
   DWORD code = 1;
-  GetExitCodeProcess(process.hProcess, &code);
-  CloseHandle(process.hThread);
-  CloseHandle(process.hProcess);
+  GetExitCodeProcess(process->hProcess, &code);
+  CloseHandle(process->hProcess);
   return static_cast<int>(code);
 }
 
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
   HANDLE outRead, outWrite, errRead, errWrite;
+  std::unique_lock<std::mutex> inherited(inheritance());
   if (!CreatePipe(&outRead, &outWrite, &inherit, 0)) return fail(ErrorCode::state, "no pipe");
   if (!CreatePipe(&errRead, &errWrite, &inherit, 0)) {
     CloseHandle(outRead);
@@ -245,15 +314,17 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   }
   SetHandleInformation(outRead, HANDLE_FLAG_INHERIT, 0);
   SetHandleInformation(errRead, HANDLE_FLAG_INHERIT, 0);
-  const Expected<PROCESS_INFORMATION> process = spawn(arguments, outWrite, errWrite);
+  ProcessTree tree(false);
+  const Expected<PROCESS_INFORMATION> process = spawn(arguments, outWrite, errWrite, &tree);
   CloseHandle(outWrite);
   CloseHandle(errWrite);
+  inherited.unlock();
   ProcessResult result;
   if (process) {
     std::thread outReader(readAll, outRead, &result.output), errReader(readAll, errRead, &result.errorOutput);
     if (WaitForSingleObject(process->hProcess, static_cast<DWORD>(timeout_s * 1000)) == WAIT_TIMEOUT) {
       result.timedOut = true;
-      TerminateProcess(process->hProcess, 124);
+      tree.end(process->hProcess, 124);
     }
     outReader.join();
     errReader.join();
@@ -300,8 +371,9 @@ FileLock::~FileLock() {
 Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments,
                                            const std::filesystem::path &log) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
+  const std::lock_guard<std::mutex> inherited(inheritance());
   const HANDLE file = CreateFileW(log.c_str(), GENERIC_WRITE, FILE_SHARE_READ, &inherit, CREATE_ALWAYS, 0, nullptr);
-  const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file);
+  const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file, nullptr);
   CloseHandle(file);
   if (!process) return tl::unexpected<Error>(process.error());
   ChildProcess child;

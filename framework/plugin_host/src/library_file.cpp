@@ -75,9 +75,30 @@ Expected<void> checkElf(std::ifstream &in, std::uint64_t size) {
   return {};
 }
 
+/// The end of what the headers of a library for Windows name: sections, symbols and their names. 0: the tables are incomplete.
+/// @param at  of the header
+std::uint64_t peEnd(std::ifstream &in, std::uint64_t at, const std::vector<unsigned char> &header) {
+  constexpr std::size_t kHeader = 24, kSection = 40, kSymbol = 18;
+  const std::size_t sections = numberAt<std::uint16_t>(header, 6);
+  const auto table = read(in, at + kHeader + numberAt<std::uint16_t>(header, 20), sections * kSection);
+  if (table.size() < sections * kSection) return 0;
+  std::uint64_t end = 0;
+  for (std::size_t i = 0; i < sections; ++i)
+    if (const auto bytes = numberAt<std::uint32_t>(table, i * kSection + 16); bytes != 0)
+      end = std::max(end, std::uint64_t{numberAt<std::uint32_t>(table, i * kSection + 20)} + bytes);
+  if (const std::uint64_t symbols = numberAt<std::uint32_t>(header, 12); symbols != 0) {
+    const std::uint64_t names = symbols + std::uint64_t{numberAt<std::uint32_t>(header, 16)} * kSymbol;
+    const auto length = read(in, names, 4);
+    if (length.size() < 4) return 0;
+    end = std::max(end, names + numberAt<std::uint32_t>(length, 0));
+  }
+  return end;
+}
+
 Expected<void> checkPe(std::ifstream &in, std::uint64_t size) {
   const auto dos = read(in, 0, 64);
-  const auto header = dos.size() < 64 ? std::vector<unsigned char>() : read(in, numberAt<std::uint32_t>(dos, 60), 24);
+  const std::uint64_t at = dos.size() < 64 ? 0 : numberAt<std::uint32_t>(dos, 60);
+  const auto header = dos.size() < 64 ? std::vector<unsigned char>() : read(in, at, 24);
   if (header.size() < 24 || !startsWith(header, std::string_view("PE\0\0", 4)))
     return notAPlugin(fmt::format("the file is truncated ({} bytes)", size));
   const auto machine = numberAt<std::uint16_t>(header, 4);
@@ -86,6 +107,10 @@ Expected<void> checkPe(std::ifstream &in, std::uint64_t size) {
         fmt::format("built for another processor (PE machine {:#x}, this is {:#x})", machine, kPeMachine));
   constexpr std::uint16_t kDll = 0x2000;
   if ((numberAt<std::uint16_t>(header, 22) & kDll) == 0) return notAPlugin("a program, not a shared library");
+  const std::uint64_t needed = peEnd(in, at, header);
+  if (needed == 0) return notAPlugin(fmt::format("the file is truncated ({} bytes)", size));
+  if (needed > size)
+    return notAPlugin(fmt::format("the file is truncated ({} bytes, its headers speak of {})", size, needed));
   return {};
 }
 

@@ -18,6 +18,7 @@
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/plugin_call.h"
+#include "c3de/core/program_arguments.h"
 #include "c3de/core/text.h"
 #include "c3de/manual/manual.h"
 #include "c3de/registry/settings_store.h"
@@ -271,8 +272,9 @@ int main(int argc, char **argv) {
   app.add_option("--write-man", options.manual)->group("");
   app.add_option("--man-version", options.manualVersion)->group("");
   app.add_option("--man-date", options.manualDate)->group("");
+  ProgramArguments arguments(argc, argv);
   try {
-    app.parse(argc, argv);
+    app.parse(arguments.count(), arguments.values());
   } catch (const CLI::ParseError &error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
     std::fprintf(stderr, "c3de-validate: error: %s; see c3de-validate --help\n", error.what());

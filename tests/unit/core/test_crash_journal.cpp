@@ -46,14 +46,22 @@ TEST_CASE("a run that dies leaves behind who was called", "[crash_journal]") {
     const auto folder = emptyFolder(one.way);
     const auto ended = runProcess({C3DE_DYING_PROGRAM, folder.string(), one.way, C3DE_DYING_LIBRARY}, 30.0);
     REQUIRE(ended);
+#ifdef _WIN32
+    CHECK(ended->exitCode != 0);
+#else
     CHECK(ended->exitCode >= 128);  // it has ended as without a journal
+#endif
     CHECK_FALSE(ended->timedOut);
     const auto records = CrashJournal::popCrashRecords(folder);
     REQUIRE(records.size() == 1);
     CHECK(records[0].place == one.place);
     CHECK(records[0].owner == one.owner);
     CHECK(records[0].what == one.what);
-    CHECK(records[0].how.find("SIG") == 0);
+#ifdef _WIN32
+    CHECK((records[0].how.starts_with("SIGABRT") || records[0].how.starts_with("0xC00000")));
+#else
+    CHECK(records[0].how.starts_with("SIG"));
+#endif
     INFO(records[0].cause());
     INFO(ended->errorOutput);
     // Also on the error stream, for users who see the crash.

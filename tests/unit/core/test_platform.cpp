@@ -3,17 +3,31 @@
 #include <csignal>
 #include <fstream>
 
+#include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "support/catch.h"
 
 using namespace c3de;
 
+namespace {
+
+/// Of the system's own shell: nothing else is on every machine.
+std::vector<std::string> shell([[maybe_unused]] const char *posix, [[maybe_unused]] const char *windows) {
+#if defined(_WIN32)
+  return {"cmd", "/c", windows};
+#else
+  return {"sh", "-c", posix};
+#endif
+}
+
+}  // namespace
+
 TEST_CASE("a process gives back its output and exit code") {
-  const auto result = runProcess({"cmake", "-E", "echo", "hello"}, 20.0);
+  const auto result = runProcess(shell("echo hello", "echo hello"), 20.0);
   REQUIRE(result);
   CHECK(result->exitCode == 0);
   CHECK_THAT(result->output, Contains("hello"));
-  const auto failing = runProcess({"cmake", "-E", "no_such_command"}, 20.0);
+  const auto failing = runProcess(shell("no_such_command", "no_such_command"), 20.0);
   REQUIRE(failing);
   CHECK(failing->exitCode != 0);
   CHECK_FALSE(failing->errorOutput.empty());
@@ -21,10 +35,19 @@ TEST_CASE("a process gives back its output and exit code") {
 
 TEST_CASE("a process that does not end is ended") {
   const auto begin = std::chrono::steady_clock::now();
-  const auto result = runProcess({"cmake", "-E", "sleep", "30"}, 0.5);
+  const auto result = runProcess(shell("exec sleep 30", "ping -n 31 127.0.0.1"), 0.5);
   REQUIRE(result);
   CHECK(result->timedOut);
   CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 10.0);
+}
+
+TEST_CASE("text of paths is UTF-8, that of a plain string as well") {
+  for (const std::string name : {"organ", "Größe é.txt", "肝臓", "😀 bild", "\u07ff\u0800\uffff"}) {
+    INFO(name);
+    const std::filesystem::path path(name);
+    CHECK(path == pathFromText(name));
+    CHECK(pathText(path) == name);
+  }
 }
 
 #if !defined(_WIN32)

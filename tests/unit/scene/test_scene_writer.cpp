@@ -496,7 +496,8 @@ TEST_CASE("Files below the folder are written relative to it", "[writer]") {
   checkRoundTrip(scene);
   const auto text = sceneText(scene, folder / "");
   REQUIRE(text.has_value());
-  const std::string image = pathText((std::filesystem::absolute(sceneFolder()) / "block.obj").lexically_normal());
+  const std::string image =
+      pathText((std::filesystem::absolute(sceneFolder()) / "block.obj").lexically_normal().generic_string());
   CHECK_THAT(*text, Contains("mesh = \"my beam.obj\"") && Contains("file = \"" + image + "\""));
   const auto again = scene::parseScene(*text, folder / "x.toml", &presets());
   REQUIRE(again.has_value());

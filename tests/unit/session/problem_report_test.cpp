@@ -76,7 +76,7 @@ TEST_CASE("A report is a complete recording with its files, a text, values, vers
   CHECK(session.files[0].isEmbedded);
   CHECK(session.members.at(kReportText) == "It fell through ~/floor");
   CHECK(session.members.at(kReportValues) == "gravity = 9.81");
-  CHECK(session.members.at(kReportLog) == "error: ~/box.obj: USER cannot read it\n");
+  CHECK(session.members.at(kReportLog) == "error: " + (fs::path("~") / "box.obj").string() + ": USER cannot read it\n");
   CHECK(session.title == "box of USER");
 }
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <iterator>
 #include <utility>
 
+#include "base/file_text.h"
 #include "base/number_text.h"
 #include "panels/contact_panel.h"
 #include "report/composition.h"
@@ -494,14 +494,13 @@ void Controller::load() {
   const std::uint32_t unit = kUnits[unit_];
   const std::uint64_t before = replace_ ? body_ : 0;
   const ParameterValues values = nextValues_;
-  const std::filesystem::path file(path);
-  const Work work{"Loading " + file.filename().string(), "Load", "load " + file.stem().string()};
+  const Work work{"Loading " + fileName(path), "Load", "load " + fileStem(path)};
   auto run = [this, simulator, path, unit, before, values,
               hasChanged = work.hasChanged](sdk::Progress progress) -> sdk::Result<void> {
     auto mesh = services_.meshes.load(path, unit, progress.abi());
     if (!mesh) return mesh.failure();
     LoadBody change;
-    change.name = std::filesystem::path(path).stem().string();
+    change.name = fileStem(path);
     change.mesh = dataOf(services_, mesh->handle());
     change.values = entriesOf(values);
     // A replacement is placed where the previous one was.

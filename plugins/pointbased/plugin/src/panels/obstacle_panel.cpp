@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "base/file_text.h"
 #include "base/number_text.h"
 #include "panels/contact_panel.h"
 
@@ -197,16 +197,15 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
 void ObstaclePanel::read() {
   if (!simulator_ || path_.empty()) return;
   const auto mesh = std::make_shared<sdk::MeshHandle>();
-  const std::filesystem::path file(path_);
   submit(
-      "Reading " + file.filename().string(),
+      "Reading " + fileName(path_),
       [this, mesh, path = path_](sdk::Progress progress) -> sdk::Result<void> {
         auto read = services_.meshes.load(path, C3DE_UNIT_UNKNOWN, progress.abi());
         if (!read) return read.failure();
         *mesh = std::move(*read);
         return {};
       },
-      [this, mesh, name = file.stem().string()] { take(name, std::move(*mesh)); });
+      [this, mesh, name = fileStem(path_)] { take(name, std::move(*mesh)); });
 }
 
 void ObstaclePanel::take(const std::string &name, sdk::MeshHandle mesh) {
