@@ -11,10 +11,11 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 include(Licences)
+include(WindowsResources)
 
 # The target `products` is what ./run builds: all that is installed, and the examples that guide and scenes name.
 # products.txt lists their files for tests/scripts/documented_commands.sh.
-set(C3DE_PRODUCTS c3de c3de_embed c3de_workstation c3de_study_mpi c3de_validate pointbased c3de_pointbased_core baselines
+set(C3DE_PRODUCTS c3de c3de_embed c3de_workstation c3de_window c3de_study_mpi c3de_validate pointbased c3de_pointbased_core baselines
   hello clamp magnet mass_spring material_law mesh_reader image_samples)
 add_custom_target(products)
 set(files "")
@@ -50,6 +51,13 @@ if(UNIX AND NOT APPLE)
   set_target_properties(c3de_embed PROPERTIES INSTALL_RPATH "$ORIGIN")
 endif()
 
+c3de_windows_resources(c3de "C3DE, commands")
+c3de_windows_resources(c3de_workstation "C3DE, windows and pictures")
+c3de_windows_resources(c3de_window "C3DE")
+c3de_windows_resources(c3de_validate "C3DE, checks of plugins")
+c3de_windows_resources(pointbased "C3DE, point-based plugin")
+c3de_windows_resources(baselines "C3DE, methods that studies compare with")
+
 # c3de_require_built(COMPONENT TARGET…)   what is installed next: where a file of it is missing, one message says what to type.
 function(c3de_require_built component)
   set(files "")
@@ -67,10 +75,13 @@ function(c3de_require_built component)
   endforeach()" COMPONENT ${component})
 endfunction()
 
-c3de_require_built(runtime c3de c3de_validate c3de_workstation c3de_study_mpi pointbased baselines)
+c3de_require_built(runtime c3de c3de_validate c3de_workstation c3de_window c3de_study_mpi pointbased baselines)
 install(TARGETS c3de c3de_validate RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 if(TARGET c3de_workstation)
   install(TARGETS c3de_workstation RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+endif()
+if(TARGET c3de_window)
+  install(TARGETS c3de_window RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 endif()
 if(TARGET c3de_study_mpi)
   install(TARGETS c3de_study_mpi RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)

@@ -17,6 +17,11 @@ if(MPI_CXX_FOUND)
   list(APPEND C3DE_LIBRARIES "openmpi libopenmpi-dev openmpi")
 endif()
 
+if(MINGW)
+  # Linked into programs and plugins for Windows: the runtime of the compiler.
+  list(APPEND C3DE_LIBRARIES "gcc gcc-mingw-w64-base gcc" "mingw-w64 mingw-w64-common mingw-w64")
+endif()
+
 function(c3de_install_licences component folder)
   set(without "")
   foreach(library IN LISTS C3DE_LIBRARIES)
@@ -29,7 +34,7 @@ function(c3de_install_licences component folder)
     endif()
     set(C3DE_LICENCE_TEXT "C3DE_LICENCE_TEXT-NOTFOUND")
     find_file(C3DE_LICENCE_TEXT copyright NO_CACHE NO_PACKAGE_ROOT_PATH
-      PATHS "/usr/share/doc/${package}" PATH_SUFFIXES "share/${port}")
+      NO_CMAKE_FIND_ROOT_PATH PATHS "/usr/share/doc/${package}" PATH_SUFFIXES "share/${port}")
     if(C3DE_LICENCE_TEXT)
       # Debian's are links into other packages.
       file(REAL_PATH "${C3DE_LICENCE_TEXT}" text)

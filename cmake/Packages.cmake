@@ -1,4 +1,5 @@
 # `cpack --preset deb` and `cpack --preset tgz` write packages of what `./run` has built into build/packages; tools/package.sh does both.
+# For Windows: WindowsPackages.cmake.
 #
 #   c3de_VERSION_ARCH.deb       program, plugins, libc3de, resources, guide, desktop files, man pages, completion
 #   c3de-mpi_VERSION_ARCH.deb   c3de-study-mpi, which needs Open MPI
@@ -7,10 +8,11 @@
 #   c3de-VERSION-linux-ARCH.tar.gz   all of it for any folder, with the libraries that a system with glibc 2.36 may lack
 #
 # Packages split components of Install.cmake further, which the components package_… do: each file is in one package.
+set(C3DE_MAINTAINER "The C3DE authors <c3de@example.org>" CACHE STRING "Maintainer of the packages, \"NAME <ADDRESS>\"")
 if(WIN32)
+  include(WindowsPackages)
   return()
 endif()
-set(C3DE_MAINTAINER "The C3DE authors <c3de@example.org>" CACHE STRING "Maintainer of the packages, \"NAME <ADDRESS>\"")
 
 # --- parts of components once more --------------------------------------------------------------------------------------------
 install(TARGETS c3de_embed LIBRARY DESTINATION lib COMPONENT package_library NAMELINK_SKIP EXCLUDE_FROM_ALL)

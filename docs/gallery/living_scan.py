@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped scan: its liver moves when the patient stands up. Slices before and after, how far the tumour moves, and how
+"""The synthetic scan: its liver moves when the patient stands up. Slices before and after, how far the tumour moves, and how
 that depends on the stiffness of the liver. Usage: python3 living_scan.py [FOLDER FOR THE PICTURE]"""
 
 import pathlib

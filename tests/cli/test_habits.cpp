@@ -229,6 +229,54 @@ TEST_CASE("A scene is read from standard input, and a report is written to stand
   CHECK_THAT(wrong.errorOutput, Contains("standard input:2: "));
 }
 
+TEST_CASE("info describes a scene of standard input as the same scene of a file") {
+  const auto folder = freshFolder("info-stream");
+  const auto scene = writeBoxScene(folder);
+  const auto piped = runInShell("cd \"$1\" && \"$0\" info - --json <box.toml", {folder.string()});
+  INFO(piped.errorOutput);
+  REQUIRE(piped.exitCode == 0);
+  auto fromPipe = nlohmann::json::parse(piped.output);
+  CHECK(fromPipe.at("file") == "standard input");
+  auto fromFile = nlohmann::json::parse(runC3de({"info", scene.string(), "--json"}).output);
+  CHECK(fromPipe.at("kind") == "scene");
+  CHECK(fromPipe.at("bodies").at(0).at("name") == fromFile.at("bodies").at(0).at("name"));
+  CHECK(fromPipe.at("bodies").at(0).at("params") == fromFile.at("bodies").at(0).at("params"));
+  CHECK(fromPipe.size() == fromFile.size());
+
+  const auto text = runInShell("cd \"$1\" && \"$0\" info box.toml - <box.toml", {folder.string()});
+  CHECK(text.exitCode == 0);
+  CHECK_THAT(text.output, Contains("box.toml\n") && Contains("standard input\n"));
+  const auto empty = runInShell("\"$0\" info - </dev/null");
+  CHECK(empty.exitCode == 3);
+  CHECK_THAT(empty.errorOutput, Contains("standard input: is empty; accepted: a scene as TOML"));
+  const auto wrong = runInShell("printf 'format = 1\\nbodies = 3\\n' | \"$0\" info -");
+  CHECK(wrong.exitCode == 3);
+  CHECK_THAT(wrong.errorOutput, Contains("standard input:2: "));
+}
+
+TEST_CASE("Without a library of the display a scene runs, and a window or a picture is refused with its name") {
+  const auto folder = freshFolder("no-display-library");
+  const std::string scene = writeBoxScene(folder).string();
+  if (runInShell("\"${0%/*}/c3de-workstation\" --version").exitCode != 0) C3DE_SKIP("there is no c3de-workstation");
+  // The loader refuses an empty file as it refuses a missing one.
+  writeFile(folder / "libX11.so.6", "");
+  const std::string without = "LD_LIBRARY_PATH=\"$1\" ";
+  const std::string library = (folder / "libX11.so.6").string();
+  if (runInShell(without + "\"${0%/*}/c3de-workstation\" --version", {folder.string()}).exitCode != 127)
+    C3DE_SKIP("c3de-workstation does not load libX11");
+  const auto ran = runInShell(without + "\"$0\" run \"$2\" --steps 1 -q", {folder.string(), scene});
+  INFO(ran.errorOutput);
+  CHECK(ran.exitCode == 0);
+  const auto picture =
+      runInShell(without + "\"$0\" run \"$2\" --steps 1 -q --screenshot \"$1/a.png\"", {folder.string(), scene});
+  CHECK(picture.exitCode == 6);
+  CHECK_THAT(picture.errorOutput, Contains(library) && Contains("cannot be loaded"));
+  CHECK_FALSE(std::filesystem::exists(folder / "a.png"));
+  const auto window = runInShell("DISPLAY=:0 " + without + "\"$0\" \"$2\"", {folder.string(), scene});
+  CHECK(window.exitCode == 6);
+  CHECK_THAT(window.errorOutput, Contains(library));
+}
+
 TEST_CASE("Messages have colours on a terminal alone, and none with NO_COLOR") {
   if (runInShell("command -v script >/dev/null").exitCode != 0) C3DE_SKIP("the program script is not installed");
   const std::string escape = "\x1b[";

@@ -2,6 +2,7 @@
 #include "ui/simulation_window.h"
 
 #include <fstream>
+#include <utility>
 
 #include "c3de/core/platform.h"
 #include "support/folders.h"
@@ -21,6 +22,28 @@ fs::path floatingOrgan() {
       << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
       << "sampling = { count = 400 }\n";
+  return scene;
+}
+
+fs::path stretchedBar(const std::string &scenario, double length_m, double youngsModulus_Pa,
+                      const std::string &measured) {
+  std::ofstream mesh(outputFile(scenario + ".obj"));
+  for (const double z : {0.0, 0.2})
+    for (const auto &[x, y] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {1.0, 0.2}, {0.0, 0.2}})
+      mesh << "v " << length_m * x << " " << length_m * y << " " << length_m * z << "\n";
+  mesh
+      << "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 4 8 7\nf 4 7 3\nf 1 5 8\nf 1 8 4\nf 2 3 7\nf 2 7 6\n";
+  fs::path scene = outputFile(scenario + ".toml");
+  std::ofstream(scene) << "format = 1\ntitle = \"Stretched bar\"\n[world]\ngravity = [0, 0, 0]\n[solver]\n"
+                          "integrator = \"quasistatic\"\n[[body]]\nname = \"box\"\nmesh = \""
+                       << scenario << ".obj\"\nmesh_unit = \"m\"\nmaterial = { law = \"linear\", youngs_modulus = "
+                       << youngsModulus_Pa
+                       << ", poisson_ratio = 0, density = 1000.0 }\nsampling = { spacing = " << 0.05 * length_m
+                       << " }\n[[fix]]\nregion = { box = { min = [-0.001, -1, -1], max = [0, 1, 1] } }\n"
+                          "[[fix]]\nregion = { box = { min = ["
+                       << length_m << ", -1, -1], max = [" << length_m + 0.001 << ", 1, 1] } }\ndisplacement = ["
+                       << 0.02 * length_m << ", 0, 0]\n"
+                       << measured;
   return scene;
 }
 

@@ -13,6 +13,10 @@ namespace c3de::test {
 std::filesystem::path organMesh();
 /// A scene of an organ that only the user moves.
 std::filesystem::path floatingOrgan();
+/// A scene of a bar along x that is stretched by 2 %. Without lateral contraction the displacement is 0.02 x, exactly.
+/// @param measured  tables of landmarks and distances
+std::filesystem::path stretchedBar(const std::string &scenario, double length_m, double youngsModulus_Pa,
+                                   const std::string &measured);
 /// The file of a plugin of plugins/, for --plugin.
 std::string examplePlugin(const std::string &name);
 

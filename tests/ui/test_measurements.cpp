@@ -18,24 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A bar of 1 m along x that is stretched to 1.02 m. Without lateral contraction the displacement is 0.02 x, exactly.
-fs::path stretchedBar(const std::string &scenario) {
-  std::ofstream(outputFile(scenario + ".obj"))
-      << "v 0 0 0\nv 1 0 0\nv 1 0.2 0\nv 0 0.2 0\nv 0 0 0.2\nv 1 0 0.2\nv 1 0.2 0.2\nv 0 0.2 0.2\n"
-         "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 4 8 7\nf 4 7 3\nf 1 5 8\nf 1 8 4\nf 2 3 7\nf 2 7 6\n";
-  fs::path scene = outputFile(scenario + ".toml");
-  std::ofstream(scene) << "format = 1\ntitle = \"Stretched bar\"\n[world]\ngravity = [0, 0, 0]\n[solver]\nintegrator = "
-                          "\"quasistatic\"\n[[body]]\nname = \"box\"\nmesh = \""
-                       << scenario
-                       << ".obj\"\nmesh_unit = \"m\"\nmaterial = { law = \"linear\", youngs_modulus = 1e4, "
-                          "poisson_ratio = 0, density = 1000.0 }\nsampling = { spacing = 0.05 }\n"
-                          "[[fix]]\nregion = { box = { min = [-0.001, -1, -1], max = [0, 1, 1] } }\n"
-                          "[[fix]]\nregion = { box = { min = [1, -1, -1], max = [1.001, 1, 1] } }\n"
-                          "displacement = [0.02, 0, 0]\n"
-                          "[[landmark]]\nname = \"a\"\nat = [0.313, 0.071, 0.123]\n"
-                          "[[landmark]]\nname = \"b\"\nat = [0.777, 0.071, 0.123]\ntarget = [0.79, 0.071, 0.123]\n"
-                          "[[distance]]\nname = \"length\"\nbetween = [\"a\", \"b\"]\n";
-  return scene;
+/// A bar of 1 m with two landmarks, of which one has a target, and their distance.
+fs::path measuredBar(const std::string &scenario) {
+  return stretchedBar(scenario, 1.0, 1e4,
+                      "[[landmark]]\nname = \"a\"\nat = [0.313, 0.071, 0.123]\n"
+                      "[[landmark]]\nname = \"b\"\nat = [0.777, 0.071, 0.123]\ntarget = [0.79, 0.071, 0.123]\n"
+                      "[[distance]]\nname = \"length\"\nbetween = [\"a\", \"b\"]\n");
 }
 
 const std::string kList = "measurements/";
@@ -49,7 +37,7 @@ TEST_CASE("measurements of a scene follow the tissue, and one placed by a click 
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("measurements");
   const fs::path session = freshFile("measurements.c3de");
-  openOrgan(window, {stretchedBar("measurements").string()});
+  openOrgan(window, {measuredBar("measurements").string()});
   window.click("measurements/header");
   C3DE_WAIT(window, "the scene's landmarks are listed", textOf(s, kList + "count") == "3");
   C3DE_WAIT(window, "at rest there is one number", textOf(s, kList + "length.label") == "464.0 mm");

@@ -22,24 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A bar of 0.5 m that is stretched by 2 %, with a distance of 300 mm.
+/// A bar of 0.5 m with a distance of 300 mm.
 fs::path measuredBar(const std::string &scenario) {
-  std::ofstream(outputFile(scenario + ".obj"))
-      << "v 0 0 0\nv .5 0 0\nv .5 .1 0\nv 0 .1 0\nv 0 0 .1\nv .5 0 .1\nv .5 .1 .1\nv 0 .1 .1\n"
-         "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 4 8 7\nf 4 7 3\nf 1 5 8\nf 1 8 4\nf 2 3 7\nf 2 7 6\n";
-  fs::path scene = outputFile(scenario + ".toml");
-  std::ofstream(scene) << "format = 1\ntitle = \"Bar\"\n[world]\ngravity = [0, 0, 0]\n[solver]\nintegrator = "
-                          "\"quasistatic\"\n[[body]]\nname = \"box\"\nmesh = \""
-                       << scenario
-                       << ".obj\"\nmesh_unit = \"m\"\nmaterial = { law = \"linear\", youngs_modulus = 13332.2, "
-                          "poisson_ratio = 0, density = 1000.0 }\nsampling = { spacing = 0.025 }\n"
-                          "[[fix]]\nregion = { box = { min = [-0.001, -1, -1], max = [0, 1, 1] } }\n"
-                          "[[fix]]\nregion = { box = { min = [0.5, -1, -1], max = [0.501, 1, 1] } }\n"
-                          "displacement = [0.01, 0, 0]\n"
-                          "[[landmark]]\nname = \"a\"\nat = [0.1, 0.05, 0.05]\n"
-                          "[[landmark]]\nname = \"b\"\nat = [0.4, 0.05, 0.05]\n"
-                          "[[distance]]\nname = \"length\"\nbetween = [\"a\", \"b\"]\n";
-  return scene;
+  return stretchedBar(scenario, 0.5, 13332.2,
+                      "[[landmark]]\nname = \"a\"\nat = [0.1, 0.05, 0.05]\n"
+                      "[[landmark]]\nname = \"b\"\nat = [0.4, 0.05, 0.05]\n"
+                      "[[distance]]\nname = \"length\"\nbetween = [\"a\", \"b\"]\n");
 }
 
 std::string fileText(const fs::path &file) {

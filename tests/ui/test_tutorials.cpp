@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tutorials of docs/user/tutorials, step by step as they are written, on the shipped scan. Their screenshots
+// The tutorials of docs/user/tutorials, step by step as they are written, on the synthetic scan. Their screenshots
 // tutorial-NAME.png in test-output/ui are the pictures of those pages.
 #include <cmath>
 #include <filesystem>

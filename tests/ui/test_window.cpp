@@ -58,7 +58,8 @@ TEST_CASE("with --play and no file the window plays the head of many tissues, an
   const Json state = C3DE_WAIT(window, "a scene is open",
                                s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["panes"].size() == 4);
   window.screenshot("head");
-  CHECK(state["notifications"].empty());
+  // On a busy machine a job may pause for seconds.
+  for (const Json &message : state["notifications"]) CHECK(message["title"] == "A job is slow to respond");
   CHECK(window.value("image/name") == "ch2.nii.gz");
 }
 

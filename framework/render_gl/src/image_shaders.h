@@ -413,9 +413,10 @@ void main() {
       t = (++number + jitter) * uStep;
     }
 #ifdef SHADED
-    vec3 gradient = vec3(texture(uImage, p + vec3(voxel.x, 0.0, 0.0)).r - texture(uImage, p - vec3(voxel.x, 0.0, 0.0)).r,
-                         texture(uImage, p + vec3(0.0, voxel.y, 0.0)).r - texture(uImage, p - vec3(0.0, voxel.y, 0.0)).r,
-                         texture(uImage, p + vec3(0.0, 0.0, voxel.z)).r - texture(uImage, p - vec3(0.0, 0.0, voxel.z)).r);
+    vec3 dx = vec3(voxel.x, 0.0, 0.0), dy = vec3(0.0, voxel.y, 0.0), dz = vec3(0.0, 0.0, voxel.z);
+    vec3 gradient = vec3(texture(uImage, p + dx).r - texture(uImage, p - dx).r,
+                         texture(uImage, p + dy).r - texture(uImage, p - dy).r,
+                         texture(uImage, p + dz).r - texture(uImage, p - dz).r);
     vec3 normal = viewFromGradient * gradient;
     float size = length(normal);
     // Seen from the front whichever side is brighter.

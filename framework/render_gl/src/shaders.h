@@ -82,7 +82,9 @@ inline constexpr const char *kPeelFunction = R"(
 #ifdef PEELED
 layout(binding = 0) uniform sampler2D uNearer;
 layout(binding = 1) uniform sampler2D uFarther;
-float depthIn(sampler2D depths) { return texelFetch(depths, min(ivec2(gl_FragCoord.xy), textureSize(depths, 0) - 1), 0).r; }
+float depthIn(sampler2D depths) {
+  return texelFetch(depths, min(ivec2(gl_FragCoord.xy), textureSize(depths, 0) - 1), 0).r;
+}
 void peel(float depth, float alpha) {
   const float kSame = 4e-7;
   if (alpha <= 0.0 || depth <= depthIn(uNearer) + kSame || depth > depthIn(uFarther) + kSame) discard;

@@ -159,7 +159,7 @@ TEST_CASE("what overlaps at the start is said") {
   simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.05), 0.01, material, 6));
   simulator.addBody(block(Vec3(0.047, 0.003, 0.002), Vec3(0.097, 0.053, 0.052), 0.01, material, 6));
   while (simulator.time() < 0.4) REQUIRE(simulator.step());
-  CHECK(shapes::countEvents(simulator, "overlap", "led out") > 0);
+  CHECK(shapes::countEvents(simulator, "overlap", "removed at") > 0);
 }
 
 TEST_CASE("what overlaps at the start is led apart without a jolt") {

@@ -375,8 +375,8 @@ TEST_CASE("blocks of which one is half inside the other from the start are told 
   const double wider = GENERATE(0.0, 0.012);
   const Overlapping seen = overlapByHalf(wider, 8.0);
   CAPTURE(wider, seen.told, seen.fastest, seen.leaves, seen.energy);
-  CHECK_THAT(seen.told, Contains("mm deep where they meet; it is led out at 5 mm a second at most"));
-  CHECK_THAT(seen.told, Contains("begin with bodies that are apart"));
+  CHECK_THAT(seen.told, Contains("mm deep where they meet; it is removed at 5 mm a second at most"));
+  CHECK_THAT(seen.told, Contains("begin with bodies that do not overlap"));
   CHECK(seen.fastest < 0.3);  // a corner of negligible mass that comes free
   CHECK(seen.leaves < 0.03);
   CHECK(seen.energy < 1e-3 * kModulus * 0.05 * 0.05 * 0.05);

@@ -20,6 +20,7 @@
 #include "commands/info_scene.h"
 #include "commands/last_crash.h"
 #include "commands/standard_output.h"
+#include "commands/standard_streams.h"
 
 namespace c3de::app {
 namespace {
@@ -76,6 +77,7 @@ Expected<Described> describeLandmarks(const std::filesystem::path &file) {
 
 /// Scenes need plugins, and so do files that only a plugin may be able to read.
 bool needsPlugins(const std::filesystem::path &file, const InfoArguments &arguments) {
+  if (file == kStandardStream) return true;
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return false;
   const FileKind kind = kindOf(file);
@@ -112,6 +114,11 @@ Expected<Described> describeSession(const std::filesystem::path &file,
 /// @param session  null if the file needs none
 Expected<Described> describe(const std::filesystem::path &file, const InfoArguments &arguments, const CommandLine &line,
                              Session *session) {
+  if (file == kStandardStream) {
+    const auto text = readSceneFromInput();
+    if (!text) return tl::unexpected(text.error());
+    return describeScene(*session, kStandardInput, &*text, arguments.isQuick);
+  }
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return fail(ErrorCode::input, file.string() + ": no such file");
   imaging::ReadOptions options;
@@ -121,7 +128,7 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
   if (isLandmarkPath(file) && arguments.reader.empty()) return describeLandmarks(file);
   switch (arguments.reader.empty() ? kindOf(file, formats) : FileKind::mesh) {
     case FileKind::image: return describeImage(file, options, arguments.patientNames);
-    case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
+    case FileKind::scene: return describeScene(*session, file, nullptr, arguments.isQuick);
     case FileKind::session: return describeSession(file, arguments.search);
     case FileKind::recording: return describeRecording(file, arguments.search);
     case FileKind::mesh: return describeMesh(file, line.unit, formats, arguments.reader);
@@ -145,16 +152,17 @@ int showInfo(const InfoArguments &arguments, const CommandLine &line) {
       session = std::move(*made);
     }
     auto described = describe(file, arguments, line, session.get());
+    const std::string name = file == kStandardStream ? kStandardInput : file;
     if (!described) {
       const ExitCode failed = reportError(described.error());
       if (exitCode == kDone) exitCode = failed;
-      list.push_back(Json{{"file", file}, {"error", described.error().message}});
+      list.push_back(Json{{"file", name}, {"error", described.error().message}});
       continue;
     }
     list.push_back(std::move(described->json));
     if (line.json) continue;
     const std::string &text = described->text;
-    printOut(file + "\n" + text + (text.empty() || text.back() == '\n' ? "" : "\n"));
+    printOut(name + "\n" + text + (text.empty() || text.back() == '\n' ? "" : "\n"));
   }
   if (line.json) {
     const Json &out = list.size() == 1 ? list.front() : list;
@@ -168,7 +176,7 @@ Handler declareInfo(CLI::App &app, CommandLine &line) {
   app.add_option(
          "FILE", line.files,
          "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files, scenes, sessions, recordings and "
-         "landmarks (.csv, .fcsv, .mrk.json)")
+         "landmarks (.csv, .fcsv, .mrk.json); - reads a scene from standard input")
       ->required();
   app.add_option("--series", arguments->series,
                  "The series of a folder that holds several: its identifier, number or description, a part behind a #")

@@ -63,8 +63,12 @@ int run(const RunArguments &arguments, const CommandLine &line) {
     if (options.screenshot.empty()) return reportError({ErrorCode::usage, "--overlay is for --screenshot"});
     options.overlay = pictureOverlayOf(arguments.overlay);
   }
-  if (options.scene == kStandardStream)
-    if (const auto read = readSceneFromInput(options); !read) return reportError(read.error());
+  if (options.scene == kStandardStream) {
+    auto text = readSceneFromInput();
+    if (!text) return reportError(text.error());
+    options.scene = kStandardInput;
+    options.sceneText = std::move(*text);
+  }
   StandardOutputFile output;
   if (const auto taken = output.take({{"--report", &options.report},
                                       {"--probes", &options.probes},

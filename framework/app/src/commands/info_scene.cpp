@@ -502,8 +502,10 @@ void describeGrasps(const scene::SceneFile &scene, std::ostringstream &text, Jso
 
 }  // namespace
 
-Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
-  auto scene = scene::loadScene(file, &session.materials());
+Expected<Described> describeScene(Session &session, const std::filesystem::path &file, const std::string *toml,
+                                  bool isQuick) {
+  auto scene = toml != nullptr ? scene::parseScene(*toml, file, &session.materials())
+                               : scene::loadScene(file, &session.materials());
   if (!scene) return tl::unexpected(scene.error());
   Described out;
   BodySources sources;

@@ -31,7 +31,7 @@ Expected<std::filesystem::path> ownFolder() {
 
 }  // namespace
 
-Expected<void> readSceneFromInput(RunOptions &options) {
+Expected<std::string> readSceneFromInput() {
   std::string text;
   std::array<char, 65536> block{};
   while (const std::size_t count = std::fread(block.data(), 1, block.size(), stdin)) {
@@ -41,9 +41,7 @@ Expected<void> readSceneFromInput(RunOptions &options) {
   }
   if (std::ferror(stdin) != 0) return fail(ErrorCode::input, "standard input: cannot be read");
   if (text.empty()) return fail(ErrorCode::input, "standard input: is empty; accepted: a scene as TOML");
-  options.scene = "standard input";
-  options.sceneText = std::move(text);
-  return {};
+  return text;
 }
 
 StandardOutputFile::~StandardOutputFile() {

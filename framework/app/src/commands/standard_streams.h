@@ -8,16 +8,18 @@
 
 #include "app.h"
 #include "c3de/core/expected.h"
-#include "c3de/session/run_options.h"
 
 namespace c3de::app {
 
 /// The file name that denotes standard input or output.
 inline constexpr const char *kStandardStream = "-";
 
-/// Reads the scene of a run from standard input, to its end; its paths are relative to the present folder.
+/// What names standard input in messages and reports.
+inline constexpr const char *kStandardInput = "standard input";
+
+/// The scene (TOML) that standard input has, read to its end; its paths are relative to the present folder.
 /// ErrorCode::input: it is empty, too large (64 MiB) or cannot be read.
-[[nodiscard]] Expected<void> readSceneFromInput(RunOptions &options);
+[[nodiscard]] Expected<std::string> readSceneFromInput();
 
 /// An output named `-`: written to a temporary file, and to standard output at the end. Temporary, because outputs are
 /// complete or absent, and replacing the file behind a redirected standard output would lose what is in it.

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "c3de/core/path_text.h"
@@ -15,6 +16,19 @@ namespace {
 std::filesystem::path windowProgram() {
   const std::filesystem::path self = executablePath();
   return self.parent_path() / ("c3de-workstation" + self.extension().string());
+}
+
+/// Which library the loader of the system does not find for the window program; empty if it starts.
+std::string missingLibrary(const std::filesystem::path &program) {
+  constexpr int kLoaderFailed = 127;
+  constexpr double kLongest_s = 60.0;
+  const auto started = runProcess({pathText(program), "--version"}, kLongest_s);
+  if (!started || started->exitCode != kLoaderFailed) return "";
+  constexpr std::string_view kReason = "error while loading shared libraries: ";
+  const std::string &text = started->errorOutput;
+  const std::size_t at = text.find(kReason);
+  const std::size_t begin = at == std::string::npos ? 0 : at + kReason.size();
+  return text.substr(begin, text.find('\n', begin) - begin);
 }
 
 }  // namespace
@@ -37,6 +51,9 @@ int continueInWindowProgram(int argc, char **argv) {
     return reportError(
         {ErrorCode::graphics, "a window and pictures need " + pathText(other) +
                                   ", which is missing; without it: c3de run SCENE.toml --report FILE.json"});
+  if (const std::string library = missingLibrary(other); !library.empty())
+    return reportError({ErrorCode::graphics, "a window and pictures need a library that cannot be loaded: " + library +
+                                                 "; without it: c3de run SCENE.toml --report FILE.json"});
   std::vector<std::string> arguments(argv, argv + argc);
   arguments.front() = pathText(other);
   const auto ended = continueAs(arguments);

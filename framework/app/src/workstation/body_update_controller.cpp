@@ -10,12 +10,12 @@
 #include "c3de/abi/log.h"
 #include "c3de/core/log.h"
 #include "c3de/session/body_creation.h"
+#include "c3de/session/session.h"
 
 namespace c3de::app {
 namespace {
 
 constexpr int kMaxAttempts = 3;  // if parameters change during the build
-constexpr const char *kProgramOwner = "c3de";
 
 std::string energyText(double joule) {
   if (std::abs(joule) < 1e-3) return fmt::format("{:.3g} µJ", 1e6 * joule);
@@ -109,7 +109,7 @@ void BodyUpdateController::build(const Request &request, std::uint64_t capture) 
 void BodyUpdateController::onBuilt(const Request &request, const std::vector<ContinuedBody> &bodies) {
   // Tissue that a tool held belongs to the earlier body. The tools of the program hold none, and a stroke of the brush
   // continues.
-  if (const registry::Tool *tool = parts_.tools.find(parts_.tools.active()); tool && tool->owner != kProgramOwner)
+  if (const registry::Tool *tool = parts_.tools.find(parts_.tools.active()); tool && tool->owner != kJobOwner)
     parts_.tools.cancelActive();
   const bool hasChanges = request.range.to > request.range.from;
   using MaskUndo = SimulationHistory::MaskUndo;

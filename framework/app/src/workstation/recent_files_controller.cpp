@@ -65,7 +65,7 @@ std::vector<ui::ExampleScene> findExamples() {
     examples.push_back({"organ", "Try the example organ", "An organ of the program that falls on a floor", *organ});
   if (const auto scan = findResource("scenes/living_scan.toml"))
     examples.push_back(
-        {"scan", "Try the living scan", "The shipped scan. The patient stands up: the liver sinks", *scan});
+        {"scan", "Try the living scan", "The synthetic scan. The patient stands up: the liver sinks", *scan});
   if (const auto head = findDefaultScene(); head && head->notice.empty())
     examples.push_back({"head", "Try the living head", "A scan of a head whose brain moves in its skull", head->file});
   return examples;

@@ -269,8 +269,8 @@ class Verifying {
           "to twice as large");
     if (!body_.quasiStatic)
       out.emplace_back(
-          "of the present balance of forces: what motion has gathered on the way here (time, phase) is "
-          "not in it");
+          "the error is that of the present static equilibrium; errors of time and phase that accumulated during the "
+          "motion are not included");
     if (!body_.quasiStatic && target_.constitution.plastic()) out.emplace_back("plastic strain is taken as it is");
     if (target_.constitution.relaxing()) out.emplace_back("relaxing stress is taken as it is");
     if (solved.isHeldByContact)

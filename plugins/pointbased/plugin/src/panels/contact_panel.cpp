@@ -114,7 +114,7 @@ void drawTouch(sdk::Ui &ui, TouchTool &touch, const Snapshot *snapshot) {
     const BodySnapshot *body = snapshot->body(contact.summary.first);
     if (contact.summary.second != instrument->id || !body || instrument->tool->radius >= body->rest->spacing) continue;
     ui.text("Thinner than the spacing of " + body->name + " (" + significant(kMillimetres * body->rest->spacing) +
-            " mm): it sinks in between the points where contact is felt. A larger radius, or more phyxels, help");
+            " mm): it can penetrate between the contact points. A larger radius, or more phyxels, help");
   }
   drawCurve(ui, "touch_curve", "Force", touch.forces());
   drawWay(ui, *snapshot, instrument->middle(), *touch.target());

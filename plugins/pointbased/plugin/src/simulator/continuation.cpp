@@ -2,7 +2,6 @@
 #include "simulator/continuation.h"
 
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "c3de/sdk/structs.hpp"
 #include "simulator/world_simulator.h"

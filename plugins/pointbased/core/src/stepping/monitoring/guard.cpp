@@ -126,7 +126,7 @@ std::string energyGrowth(const EnergyLevel &before, const EnergyLevel &now) {
                                                             now.depenetrationWork * (1.0 + 1e-9) + before.roundOff +
                                                             now.roundOff;
   if (growth <= allowed || growth <= 1e-12 * (std::abs(now.total) + std::abs(before.total))) return {};
-  return "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " + number(now.kinetic) +
+  return "the energy has grown by " + number(growth) + " J without external work (kinetic " + number(now.kinetic) +
          " J, elastic " + number(now.stored) + " J)";
 }
 

@@ -85,7 +85,7 @@ void StepMonitor::reportPenetration(const Body &body, double depth, double spaci
   const double spacing = body.rest().spacing, limit = spacings * spacing;
   if (depth > limit && deepest <= limit)
     state_.reportEvent("skin", "body '" + body.name() + "': " + what + millimetres(depth) + where +
-                                   " between the points where it feels contact; a smaller sampling.spacing (it is " +
+                                   " between its contact points; a smaller sampling.spacing (it is " +
                                    millimetres(spacing) + ") helps");
   deepest = std::max(deepest, depth);
 }
@@ -139,12 +139,11 @@ void StepMonitor::checkContacts() {
                                         " deep at the start; they fit each other, so that counts as touching");
     else if (pair->toleratedOverlap() > least)
       state_.reportEvent(
-          "overlap",
-          who + " " + millimetres(pair->toleratedOverlap()) + " deep where they meet; it is led out at " +
-              millimetres(pair->settings().recoverySpeed) + " a second" +
-              (pair->toleratedOverlap() > kDeepOverlap * pair->spacing()
-                   ? " at most, but what lies so deep may hold itself there: begin with bodies that are apart"
-                   : ""));
+          "overlap", who + " " + millimetres(pair->toleratedOverlap()) + " deep where they meet; it is removed at " +
+                         millimetres(pair->settings().recoverySpeed) + " a second" +
+                         (pair->toleratedOverlap() > kDeepOverlap * pair->spacing()
+                              ? " at most, but an overlap this deep may persist: begin with bodies that do not overlap"
+                              : ""));
     else
       state_.reportEvent("overlap",
                          who + " " + millimetres(pair->depth()) +

@@ -1,0 +1,3 @@
+#!/usr/bin/env bash
+# makensis for installers of 64 bits.
+exec makensis "-XTarget amd64-unicode" "$@"
