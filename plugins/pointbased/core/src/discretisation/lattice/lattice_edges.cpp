@@ -53,7 +53,7 @@ class Rows {
 
 // Phyxels of a part's corners; kNone where a corner hangs.
 std::array<Index, 8> phyxelsOf(const NodeTable &corners, const CutCellFragment &part) {
-  std::array<Index, 8> out;
+  std::array<Index, 8> out{};
   for (std::size_t j = 0; j < 8; ++j) {
     std::size_t count = 0;
     corners.visit(part.nodes[j], [&](Index phyxel, double) {
