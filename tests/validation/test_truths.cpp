@@ -175,6 +175,27 @@ TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
     }
 }
 
+// Of first order the same bodies have up to 10 % (see the case before).
+TEST_CASE("of second order, curved bodies are right: 2 % with 160 phyxels, 1 % with 550", "[truth]") {
+  for (const MaterialLaw law : {stVenantKirchhoff, neoHookean})
+    for (const std::size_t count : {160u, 550u}) {
+      const Limit limit{count == 160 ? 0.02 : 0.01};
+      const std::string of = std::string(".") + nameOf(law),
+                        sampling = ", " + std::to_string(count) + " phyxels, second order";
+      Problem ball = halfBall(count, law), transverse = ringQuarter(count, law, Vec3(0, 0, -0.02)),
+              inPlane = ringQuarter(count, law, Vec3(0, -0.03, 0));
+      for (Problem *problem : {&ball, &transverse, &inPlane}) problem->recipe.sampling.order = LatticeOrder::quadratic;
+      solveAndCompare(ball, "half_ball" + of,
+                      {{"top_u_x", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, 0.05))[0]; }, limit},
+                       {"mean_u_x", [](SolvedBody &b) { return b.meanWithin(Region())[0]; }, limit}},
+                      sampling);
+      const auto tip = [](int axis) { return [axis](SolvedBody &b) { return b.meanOver(face(0, 0.0))[axis]; }; };
+      solveAndCompare(transverse, "ring_transverse" + of, {{"tip_mean_u_z", tip(2), limit}}, sampling);
+      solveAndCompare(inPlane, "ring_in_plane" + of, {{"tip_mean_u_y", tip(1), limit}, {"tip_mean_u_x", tip(0), limit}},
+                      sampling);
+    }
+}
+
 TEST_CASE("indentation by a bonded patch: 5 % with ten layers", "[truth]") {
   for (const char *name :
        {"indentation_2mm_nu0.3.stvk", "indentation_2mm_nu0.45.stvk", "indentation_2mm_nu0.3.neo_hookean",
@@ -219,6 +240,54 @@ TEST_CASE("the lattice need not fit the beam: offset, jittered, turned", "[truth
     twist.recipe.sampling.axes = problem.recipe.sampling.axes;
     solveAndCompare(twist, "beam_twist.stvk", {"torque"}, layers(5) + ", turned 30° about " + name, {0.02});
   }
+}
+
+// Of first order the tip of the beam at 45° has -8.1 % with three layers and -3.2 % with five. What is left is in part
+// from moments of cut cells by 4³ points: with 8³ the bending of 45° in tests/validation/studies/oblique_beam.py is 0.8 %
+// nearer to the exact one.
+TEST_CASE("of second order, a beam oblique to its lattice is right: 4 % with three layers, 1.5 % with five",
+          "[truth]") {
+  const std::pair<const char *, Mat3> turns[] = {
+      {"30° about y", Eigen::AngleAxisd(std::numbers::pi / 6, Vec3::UnitY()).toRotationMatrix()},
+      {"45° about y", Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitY()).toRotationMatrix()},
+      {"30° about z", Eigen::AngleAxisd(std::numbers::pi / 6, Vec3::UnitZ()).toRotationMatrix()},
+      {"40° about (1,2,-½)", Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.5).normalized()).toRotationMatrix()}};
+  for (const int n : {3, 5})
+    for (const auto &[name, turn] : turns) {
+      const std::string sampling = layers(n) + ", second order, " + name;
+      const Limit limit{n == 3 ? 0.04 : 0.015};
+      Problem bent = cantilever(kWidth / n, stVenantKirchhoff, -1.6e-3), twist = twisted(kWidth / n, stVenantKirchhoff);
+      for (Problem *problem : {&bent, &twist}) {
+        problem->recipe.sampling.axes = turn;
+        problem->recipe.sampling.order = LatticeOrder::quadratic;
+      }
+      solveAndCompare(bent, "beam_shear.stvk", {"tip_mean_u_z"}, sampling, limit);
+      solveAndCompare(twist, "beam_twist.stvk", {"torque"}, sampling, limit);
+    }
+}
+
+// Not run by default: the table of docs/theory/lattice.md.
+TEST_CASE("thirty random directions of the lattice, first and second order", "[.directions]") {
+  shapes::Random random(2026);
+  std::vector<Mat3> turns;
+  while (turns.size() < 30) {
+    const Eigen::Quaterniond q(random(), random(), random(), random());
+    if (q.norm() < 1.0 && q.norm() > 0.1) turns.push_back(q.normalized().toRotationMatrix());
+  }
+  for (const int n : {3, 5})
+    for (const LatticeOrder order : {LatticeOrder::linear, LatticeOrder::quadratic})
+      for (std::size_t k = 0; k < turns.size(); ++k) {
+        Problem bent = cantilever(kWidth / n, stVenantKirchhoff, -1.6e-3),
+                twist = twisted(kWidth / n, stVenantKirchhoff);
+        for (Problem *problem : {&bent, &twist}) {
+          problem->recipe.sampling.axes = turns[k];
+          problem->recipe.sampling.order = order;
+        }
+        const std::string sampling =
+            layers(n) + (order == LatticeOrder::linear ? ", first order, " : ", second order, ") + std::to_string(k);
+        solveAndCompare(bent, "beam_shear.stvk", {"tip_mean_u_z"}, sampling, {});
+        solveAndCompare(twist, "beam_twist.stvk", {"torque"}, sampling, {});
+      }
 }
 
 TEST_CASE("a turned beam bends as the straight one: 1.5 % with three layers, 0.7 % with five", "[truth]") {

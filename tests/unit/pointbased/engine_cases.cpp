@@ -2,6 +2,7 @@
 #include "engine_cases.h"
 
 #include "forces/entry_forces.h"
+#include "pointbased/lattice.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -116,6 +117,22 @@ EngineCase jitteredLattice() {
   return c;
 }
 
+EngineCase quadraticLattice() {
+  LatticeSampling sampling;
+  sampling.spacing = 0.01;
+  sampling.order = LatticeOrder::quadratic;
+  sampling.axes = Eigen::AngleAxisd(0.5, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const auto body = fillLattice(shapes::box(Vec3(0, 0, 0), Vec3(0.027, 0.022, 0.02), 1), sampling, serialFor());
+  EngineCase c;
+  c.name = "lattice of second order";
+  c.spacing = sampling.spacing;
+  c.stabilisation = kLatticeStabilisation;
+  c.stencils = body->stencils;
+  c.positions = body->positions;
+  for (const double v : body->volumes) c.masses.push_back(1060.0 * v);
+  return c;
+}
+
 EngineCase cloud(std::string name, std::vector<Vec3> positions, double spacing) {
   EngineCase c;
   c.name = std::move(name);
@@ -145,6 +162,7 @@ const std::vector<EngineCase> &all() {
     for (int i = 0; i < 6; ++i) line.push_back(0.01 * Vec3(i + 0.2 * random(), 0.3 * i, 0.0));
     return std::vector<EngineCase>{lattice(3, 2, 2),
                                    jitteredLattice(),
+                                   quadraticLattice(),
                                    cloud("cloud", thick, 0.01),
                                    cloud("sheet", sheet, 0.01),
                                    cloud("line", line, 0.01),

@@ -29,8 +29,10 @@ struct EngineCase {
 [[nodiscard]] EngineCase lattice(int nx, int ny, int nz, bool cut = true);
 /// The same with corners moved at random and gradients disturbed within Σ g = 0, Σ X g^T = I.
 [[nodiscard]] EngineCase jitteredLattice();
+/// A box oblique to its lattice, with functions of second order (LatticeOrder::quadratic).
+[[nodiscard]] EngineCase quadraticLattice();
 [[nodiscard]] EngineCase cloud(std::string name, std::vector<Vec3> positions, double spacing);
-/// Lattice, jittered lattice, full cloud, sheet, line and pair.
+/// Lattice, jittered lattice, lattice of second order, full cloud, sheet, line and pair.
 [[nodiscard]] const std::vector<EngineCase> &all();
 
 [[nodiscard]] Constitution constitution(const EngineCase &c, MaterialLaw law);

@@ -26,13 +26,20 @@ std::vector<Case> cases() {
   };
   LatticeSampling jittered = withSpacing(0.01);
   jittered.jitter = 0.25;
+  const auto quadratic = [](LatticeSampling s) {
+    s.order = LatticeOrder::quadratic;
+    return s;
+  };
   return {{"beam", beam(), withSpacing(0.01)},
           {"beam beside the lattice", shifted(beam(), 0.01, Vec3(0.37, 0.21, 0.43)), withSpacing(0.01)},
           {"beam turned", beam(), turned(0.01)},
           {"beam jittered", beam(), jittered},
           {"ball", ball(Vec3(0.1, 0.2, 0.3), 0.05), withSpacing(0.0125)},
           {"ball turned and jittered", ball(Vec3(0.1, 0.2, 0.3), 0.05), turned(0.01, 0.3)},
-          {"horseshoe", shapes::horseshoe(), withSpacing(0.03)}};
+          {"horseshoe", shapes::horseshoe(), withSpacing(0.03)},
+          {"beam turned, second order", beam(), quadratic(turned(0.01))},
+          {"ball, second order", ball(Vec3(0.1, 0.2, 0.3), 0.05), quadratic(withSpacing(0.0125))},
+          {"horseshoe, second order", shapes::horseshoe(), quadratic(withSpacing(0.03))}};
 }
 
 Vec3 centreOfMass(const LatticeBody &body) {
@@ -80,7 +87,14 @@ TEST_CASE("weights are the means of the functions, with the volume and centre of
     INFO(c.name);
     const LatticeBody body = filled(c.shape, c.sampling);
     CHECK_THAT(sum(body.weightVolumes), WithinRel(c.shape.volume, 1e-12));
-    CHECK(*std::min_element(body.weightVolumes.begin(), body.weightVolumes.end()) > 0.0);
+    // As at the corners of hexahedra of 20 nodes, integrals of functions of second order may be negative.
+    if (c.sampling.order == LatticeOrder::linear)
+      CHECK(*std::min_element(body.weightVolumes.begin(), body.weightVolumes.end()) > 0.0);
+    Vec3 centre = Vec3::Zero(), ofPoints = Vec3::Zero();
+    for (std::size_t i = 0; i < body.positions.size(); ++i) centre += body.weightVolumes[i] * body.positions[i];
+    for (std::size_t q = 0; q < body.stencils.pointCount(); ++q)
+      ofPoints += body.stencils.volumes[q] * body.pointCentres[q];
+    CHECK((centre - ofPoints).norm() < 1e-9 * c.shape.volume);
   }
 }
 
@@ -144,8 +158,8 @@ TEST_CASE("a constant stress is in balance with its tractions on the surface") {
     if (c.shape.surface.triangles.empty()) continue;
     INFO(c.name);
     const LatticeBody body = filled(c.shape, c.sampling);
-    const bool aligned = (!c.sampling.axes || c.sampling.axes->isIdentity(0.0)) && c.name != std::string("ball") &&
-                         c.name != std::string("beam beside the lattice");
+    const bool aligned = (!c.sampling.axes || c.sampling.axes->isIdentity(0.0)) &&
+                         !std::string(c.name).starts_with("ball") && c.name != std::string("beam beside the lattice");
     CHECK(patchError(body, c.shape) < (aligned ? 1e-3 : 0.03));
   }
 }

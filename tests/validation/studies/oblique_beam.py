@@ -6,14 +6,15 @@ Small strain, no supports: both ends carry opposite tractions of pure bending, t
 sections are compared with beam theory. Two formulations are compared:
 
   cells      the eight corners of a cell: mean gradient of the cut part and the energy of modes of docs/theory/lattice.md
-  quadratic  functions that also reproduce quadratic motions:
+  quadratic  functions of second order along the edges of cut cells (sampling.order = "quadratic"):
 
-                 u(x) = sum_k N_k(x) (u_k + 1/2 G_k (x - x_k)),     G_k: gradient at corner k from its neighbours
+                 u(x) = sum_k N_k(x) u_k + sum_e E_e(x) b_e,     b = (-u_0 + u_1 + u_2 - u_3)/16 over four corners in a row
 
-             Differences are central; at the last corner of a row G follows from the corner before it, so that it is exact for
-             quadratic motions. The functions are continuous, and affine motions and rigid rotations are exact. The energy of
-             a part is that of its mean strain and of the linear variation of its strain, by the covariance of the part. The
-             Lame constant of the variation is 2 lambda mu/(lambda + 2 mu). There is no factor that was fitted to beams.
+             and (-u_0 + 2 u_1 - u_2)/8 at the end of a row. All cells around an edge have the same b: the functions are
+             continuous, and affine motions and rigid rotations are exact. The energy of a part is that of its mean strain
+             and of the linear variation of its strain, from the means of the second derivatives and the covariance of
+             the part. The Lame constant of the variation is 2 lambda mu/(lambda + 2 mu). There is no factor that was
+             fitted to beams. Cells without such an edge are those of the first formulation.
 
     python3 oblique_beam.py [CELLS] [POISSON_RATIO]      default: 3 0.3; a minute
 
@@ -29,6 +30,8 @@ SAMPLES = 8  # per axis and cell
 CORNERS = np.array(list(itertools.product([-1, 1], repeat=3)), float)
 MODES = np.stack([CORNERS[:, 0] * CORNERS[:, 1], CORNERS[:, 0] * CORNERS[:, 2], CORNERS[:, 1] * CORNERS[:, 2],
                   CORNERS.prod(1)])
+# Edges of a cell: axis, and the corner at its lower end.
+EDGES = [(a, k) for k, c in enumerate(CORNERS) for a in range(3) if c[a] < 0]
 E = 1.0
 
 
@@ -77,9 +80,10 @@ class Lattice:
         scale = 8 * self.half.prod() / sum(c["volume"] for c in self.cells)
         for cell in self.cells:
             cell["volume"] *= scale
-        self.gradients = [self.gradient(k) if is_quadratic else {} for k in self.nodes]
+        self.keys = list(self.nodes)
+        curved = {self.edge(c, e) for c in self.cells if c["is_cut"] for e in EDGES} if is_quadratic else set()
         for cell in self.cells:
-            self.extend(cell)
+            self.extend(cell, curved)
 
     def add_cell(self, middle):
         if np.any(np.abs(middle @ self.turn) > self.half + 0.87):
@@ -97,55 +101,66 @@ class Lattice:
             normal[a] -= side * np.all(np.abs((middle + face) @ self.turn) <= self.half, axis=1).mean()
         corners = [self.nodes.setdefault(tuple(np.round(2 * middle + c).astype(int)), len(self.nodes)) for c in CORNERS]
         self.cells.append({"middle": middle, "volume": share.mean(), "weights": share / share.sum(), "normal": normal,
-                           "nodes": corners})
+                           "nodes": list(corners), "is_cut": share.mean() < 0.999})
 
     def neighbour(self, key, axis, side):
         return tuple(key[a] + (2 * side if a == axis else 0) for a in range(3))
 
-    def gradient(self, key):
-        """{node: vector}: the gradient at a node is the sum of vector times value."""
-        rows = {}
-        for a in range(3):
-            for node, value in self.difference(key, a).items():
-                rows.setdefault(node, np.zeros(3))[a] += value
-        return rows
+    def edge(self, cell, edge):
+        axis, corner = edge
+        low = cell["nodes"][corner]
+        return low, self.nodes[self.neighbour(self.keys[low], axis, 1)], axis
 
-    def difference(self, key, a):
-        ends = [self.nodes.get(self.neighbour(key, a, side)) for side in (1, -1)]
-        if None not in ends:
-            return {ends[0]: 0.5, ends[1]: -0.5}
-        side = 1 if ends[0] is not None else -1
-        inner = self.neighbour(key, a, side)
-        if inner not in self.nodes:
-            return {}
-        row = {self.nodes[inner]: 1.0 * side, self.nodes[key]: -1.0 * side}
-        beyond = self.nodes.get(self.neighbour(inner, a, side))
-        if beyond is None:  # two corners only: linear
-            return row
-        row = {node: 2 * value for node, value in row.items()}
-        for node, value in ((beyond, 0.5 * side), (self.nodes[key], -0.5 * side)):
-            row[node] = row.get(node, 0.0) - value
-        return row
+    def coefficient(self, low, high, axis):
+        """{node: weight} of the function of an edge."""
+        before = self.nodes.get(self.neighbour(self.keys[low], axis, -1))
+        after = self.nodes.get(self.neighbour(self.keys[high], axis, 1))
+        if before is not None and after is not None:
+            return {before: -1 / 16, low: 1 / 16, high: 1 / 16, after: -1 / 16}
+        if after is not None:
+            return {low: -1 / 8, high: 2 / 8, after: -1 / 8}
+        return {before: -1 / 8, low: 2 / 8, high: -1 / 8} if before is not None else {}
 
-    def extend(self, cell):
-        nodes = list(cell["nodes"])
-        for k in cell["nodes"]:
-            nodes += [j for j in self.gradients[k] if j not in nodes]
-        rows = np.zeros((8, len(nodes), 3))
-        for r, k in enumerate(cell["nodes"]):
-            for j, vector in self.gradients[k].items():
-                rows[r, nodes.index(j)] = vector
+    def extend(self, cell, curved):
+        edges = [self.edge(cell, e) for e in EDGES]
+        coefficients = [self.coefficient(*e) if e in curved else {} for e in edges]
+        nodes = list(dict.fromkeys(cell["nodes"] + [j for c in coefficients for j in c]))
+        rows = np.zeros((12, len(nodes)))
+        for r, coefficient in enumerate(coefficients):
+            for j, weight in coefficient.items():
+                rows[r, nodes.index(j)] = weight
         cell["nodes"], cell["rows"] = np.array(nodes), rows
 
     def functions(self, cell, at):
         """Values (n, nodes) and gradients (n, nodes, 3) at points relative to the middle."""
         n, g = trilinear(2 * at)
-        linear = np.einsum("nka,kja->nkj", at[:, None, :] - CORNERS / 2, cell["rows"])
-        values = 0.5 * np.einsum("nk,nkj->nj", n, linear)
-        gradients = 0.5 * (np.einsum("nkb,nkj->njb", g, linear) + np.einsum("nk,kjb->njb", n, cell["rows"]))
+        on_edges, slopes = np.zeros((len(at), 12)), np.zeros((len(at), 12, 3))
+        for e, (a, k) in enumerate(EDGES):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            f, nb, nc = 1 - 4 * at[:, a] ** 2, 0.5 + CORNERS[k, b] * at[:, b], 0.5 + CORNERS[k, c] * at[:, c]
+            on_edges[:, e], slopes[:, e, a] = f * nb * nc, -8 * at[:, a] * nb * nc
+            slopes[:, e, b], slopes[:, e, c] = f * CORNERS[k, b] * nc, f * nb * CORNERS[k, c]
+        values, gradients = on_edges @ cell["rows"], np.einsum("neb,ej->njb", slopes, cell["rows"])
         values[:, :8] += n
         gradients[:, :8] += g
         return values, gradients
+
+    def second_derivatives(self, cell):
+        """Means over the part: (3, 3, nodes)."""
+        x, w = self.samples, cell["weights"]
+        on_edges, on_corners = np.zeros((3, 3, 12)), np.zeros((3, 3, 8))
+        for e, (a, k) in enumerate(EDGES):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            sb, sc, nb, nc = CORNERS[k, b], CORNERS[k, c], 0.5 + CORNERS[k, b] * x[:, b], 0.5 + CORNERS[k, c] * x[:, c]
+            on_edges[a, a, e] = w @ (-8 * nb * nc)
+            on_edges[a, b, e] = on_edges[b, a, e] = w @ (-8 * x[:, a] * sb * nc)
+            on_edges[a, c, e] = on_edges[c, a, e] = w @ (-8 * x[:, a] * sc * nb)
+            on_edges[b, c, e] = on_edges[c, b, e] = w @ (1 - 4 * x[:, a] ** 2) * sb * sc
+        for m, (a, b) in enumerate([(0, 1), (0, 2), (1, 2)]):
+            on_corners[a, b] = on_corners[b, a] = MODES[m] / 2 + MODES[3] * (w @ x[:, 3 - a - b])
+        out = on_edges @ cell["rows"]
+        out[:, :, :8] += on_corners
+        return out
 
     def rows_at(self, points):
         middles = np.array([c["middle"] for c in self.cells])
@@ -196,20 +211,20 @@ def cell_stiffness(lattice, cell, lam, mu):
 
 
 def quadratic_stiffness(lattice, cell, lam, mu):
+    if not cell["rows"].any():
+        return cell_stiffness(lattice, cell, lam, mu)
     w, v = cell["weights"], cell["volume"]
     away = lattice.samples - w @ lattice.samples
     spread = (away * w[:, None]).T @ away
-    gradients = lattice.functions(cell, lattice.samples)[1]
-    mean = strain_rows(np.tensordot(w, gradients, axes=(0, 0)))
+    mean = strain_rows(np.tensordot(w, lattice.functions(cell, lattice.samples)[1], axes=(0, 0)))
     k = v * mean.T @ stiffness(lam, mu) @ mean
-    slopes = np.einsum("kl,nl,n,nja->kja", np.linalg.inv(spread + 1e-12 * np.eye(3)), away, w, gradients)
-    slopes, c = [strain_rows(s) for s in slopes], stiffness(2 * lam * mu / (lam + 2 * mu), mu)
+    slopes = [strain_rows(h.T) for h in lattice.second_derivatives(cell)]
+    c = stiffness(2 * lam * mu / (lam + 2 * mu), mu)
     for a, b in itertools.product(range(3), repeat=2):
         k += v * spread[a, b] * slopes[a].T @ c @ slopes[b]
-    modes = mode_rows(np.tensordot(w, trilinear(2 * lattice.samples)[1], axes=(0, 0)))
     for i in range(3):
         row = np.zeros(len(k))
-        row[i:24:3] = modes[3]
+        row[i:24:3] = MODES[3]
         k += v / 144 * 0.3 * E * np.outer(row, row)
     return k
 

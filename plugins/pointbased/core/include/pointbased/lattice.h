@@ -34,6 +34,12 @@ struct FinerCells {
   [[nodiscard]] bool holds(const Vec3 &x) const;  ///< whether a point of the world, m, is in one of them
 };
 
+/// Functions of cells that the surface cuts.
+enum class LatticeOrder {
+  linear,    ///< trilinear, from the eight corners
+  quadratic  ///< quadratic along edges: values in their middle follow from four corners in a row
+};
+
 struct LatticeSampling {
   double spacing = 0.0;      ///< edge of the cells, m; 0: from count
   std::size_t count = 1000;  ///< target number of phyxels
@@ -49,6 +55,7 @@ struct LatticeSampling {
   /// World, m: parts that will follow a prescribed motion (one ConstrainedRegion each)
   std::vector<Region> held;
   std::vector<std::pair<Region, std::uint16_t>> materials;  ///< later ones take precedence; elsewhere material 0
+  LatticeOrder order = LatticeOrder::linear;                ///< quadratic: not with jitter
 };
 
 /// Edge of the smallest cells of a lattice whose coarsest cells have the edge `spacing`, m.
@@ -58,7 +65,7 @@ struct LatticeSampling {
 class CellMap {
  public:
   virtual ~CellMap() = default;
-  /// Trilinear functions of the cell, or of the nearest cell for a point outside of all (extrapolated). A normal
+  /// Functions of the cell (LatticeOrder), or of the nearest cell for a point outside of all (extrapolated). A normal
   /// selects the side of a thin gap to which a point of the surface belongs; empty: the part of the cell nearest to the
   /// point.
   /// @param points   frame of the phyxels, m

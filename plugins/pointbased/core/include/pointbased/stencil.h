@@ -63,6 +63,38 @@ struct HangingCells {
   }
 };
 
+/// Points of cells whose functions are quadratic along edges (LatticeOrder::quadratic). Their rows have the eight corners
+/// of the cell first, then phyxels next to it. The mean of the second derivatives of the motion over the part is known:
+/// xy, xz, yz from `StencilSet::modes`, xx, yy, zz from `bends`.
+struct QuadraticPoints {
+  static constexpr Index kNone = 0xffffffffu;
+  static constexpr Index kCorners = 8;
+  /// Edge 4 a + i is along lattice axis a; bits of i: its side along the axes a + 1 and a + 2 (modulo 3). Its function is
+  /// 1 in its middle, 0 at both ends and on the other edges.
+  static constexpr std::size_t kEdges = 12;
+  struct Point {
+    CellShape corners;                  ///< rows over its corners alone, of trilinear functions
+    std::array<Index, kEdges> edges{};  ///< rows of `edgePhyxels`, or kNone: linear along this edge
+    /// Means over the part, in edges of the cell from its centre: x², and x_a² x_b in row a, column b
+    Vec3 second = Vec3::Zero();
+    Mat3 cubic = Mat3::Zero();
+    double triple = 0.0;             ///< mean of x y z, likewise
+    Mat3 covariance = Mat3::Zero();  ///< of the material of the part, lattice axes, m²
+    Index first = 0;                 ///< its first row in `bends`
+  };
+  std::vector<Index> of;      ///< per point of the set: index into `points`, or kNone; empty: no such points
+  std::vector<Point> points;  ///< ascending
+  std::vector<Vec3> bends;    ///< per entry of these points: rows of xx, yy, zz, lattice axes, 1/m²
+  /// Per edge: phyxels and weights of the displacement in its middle less the mean of its ends. Affine motions: zero
+  Csr edgePhyxels;
+  std::vector<double> edgeWeights;
+
+  /// Null: an ordinary point.
+  [[nodiscard]] const Point *find(std::size_t q) const {
+    return of.empty() || of[q] == kNone ? nullptr : &points[of[q]];
+  }
+};
+
 /// Evaluation points with their stencils over the phyxels, from the reference state; const afterwards.
 ///
 /// All quantities of the method at a point q are linear in the displacements of a few phyxels:
@@ -89,6 +121,7 @@ struct StencilSet {
   std::vector<CellShape> shapes;
   std::vector<Index> rowsOf;
   HangingCells hanging;          ///< for lattices with finer cells, at rest as created
+  QuadraticPoints quadratic;     ///< for lattices of second order
   std::vector<Vec3> variances;   ///< per point, lattices: variance of the part's material along the lattice axes, m²
   Mat3 axes = Mat3::Identity();  ///< lattice axes, columns; x, y, z of modes and variances
   std::vector<std::uint16_t> materials;  ///< per point: index into the body's materials; empty: the first
@@ -129,6 +162,10 @@ struct StencilSet {
     if (phyxels.offsets[guess] <= entry && entry < phyxels.offsets[guess + 1]) return static_cast<Index>(guess);
     const auto next = std::upper_bound(phyxels.offsets.begin(), phyxels.offsets.end(), entry);
     return static_cast<Index>(next - phyxels.offsets.begin() - 1);
+  }
+  /// Whether the phyxel of an entry is a corner of the cell of point q, not one beyond it.
+  [[nodiscard]] bool isCorner(Index entry, std::size_t q) const {
+    return quadratic.find(q) == nullptr || entry - phyxels.offsets[q] < QuadraticPoints::kCorners;
   }
   /// A displacement in the reference shape, with its strain removed.
   [[nodiscard]] Vec3 unstrained(std::size_t q, const Vec3 &displacement) const {
@@ -194,6 +231,9 @@ class ModeRows {
 void compactRows(StencilSet &stencils);
 /// Inverse of compactRows(): rows of all entries, so that they can be changed.
 void expandRows(StencilSet &stencils);
+/// The same points with trilinear functions: every quadratic point has only the rows of its corners. For
+/// preconditioners, which need narrow rows.
+[[nodiscard]] StencilSet withTrilinearRows(const StencilSet &stencils);
 
 /// Relative to the gradient: rows contain the round-off of their computation.
 inline constexpr double kSameRows = 1e-11;

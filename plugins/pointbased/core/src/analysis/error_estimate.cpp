@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forces/hourglass_energy.h"
 #include "forces/point_loops.h"
+#include "forces/quadratic_energy.h"
 #include "pointbased/singular_regions.h"
 
 namespace pointbased {
@@ -57,6 +57,16 @@ Slopes hourglassSlopes(const Material &material, const StencilSet &s, std::size_
   const Amplitudes all = amplitudes(s, q, displacements);
   const Mat3 turn = material.law == MaterialLaw::linear ? s.axes : Mat3(F * s.axes);
   const Mat3 B = turn.transpose() * all.topLeftCorner<3, 3>();
+  if (const QuadraticPoints::Point *quadratic = s.quadratic.find(q)) {
+    const Mat3 bends = turn.transpose() * bendsOf(s, q, *quadratic, displacements);
+    Slopes out;
+    for (int a = 0; a < 3; ++a) {
+      Mat3 slope;
+      for (int j = 0; j < 3; ++j) slope.col(j) = a == j ? bends.col(a) : B.col(a + j - 1);
+      out.col(a) = packed(slope);
+    }
+    return out;
+  }
   const double lambda = material.lambda() + material.volumeStiffness;
   const double across = -lambda / (lambda + 2.0 * material.mu());
   Slopes out;
@@ -133,8 +143,10 @@ class Recovery {
       if (first == last) continue;
       const std::uint16_t material = materialIndex(s_.pointOfEntry(s_.entriesOfPhyxel.indices[first]));
       bool mixed = false;
-      for (Index k = first + 1; k < last && !mixed; ++k)
-        mixed = materialIndex(s_.pointOfEntry(s_.entriesOfPhyxel.indices[k])) != material;
+      for (Index k = first + 1; k < last && !mixed; ++k) {
+        const Index entry = s_.entriesOfPhyxel.indices[k], q = s_.pointOfEntry(entry);
+        mixed = s_.isCorner(entry, q) && materialIndex(q) != material;
+      }
       if (mixed) {
         m.volume = kMixed;
       } else {
@@ -156,8 +168,10 @@ class Recovery {
       add(m, s_.volumes[q], scratch_.centres[q] - about, scratch_.strains[q]);
   }
   void addAround(Moments &m, std::size_t j, std::uint16_t material, const Vec3 &about) const {
-    for (Index k = s_.entriesOfPhyxel.offsets[j]; k < s_.entriesOfPhyxel.offsets[j + 1]; ++k)
-      addPoint(m, s_.pointOfEntry(s_.entriesOfPhyxel.indices[k]), material, about);
+    for (Index k = s_.entriesOfPhyxel.offsets[j]; k < s_.entriesOfPhyxel.offsets[j + 1]; ++k) {
+      const Index entry = s_.entriesOfPhyxel.indices[k], q = s_.pointOfEntry(entry);
+      if (s_.isCorner(entry, q)) addPoint(m, q, material, about);
+    }
   }
 
   [[nodiscard]] double errorOf(std::size_t q) const {
@@ -166,7 +180,7 @@ class Recovery {
     const std::uint16_t index = materialIndex(q);
     const Vec3 &centre = scratch_.centres[q];
     Moments around;
-    for (Index e = s_.phyxels.offsets[q]; e < s_.phyxels.offsets[q + 1]; ++e) {
+    for (Index e = s_.phyxels.offsets[q]; e < s_.phyxels.offsets[q + 1] && s_.isCorner(e, q); ++e) {
       const Index j = s_.phyxels.indices[e];
       if (!lattice_) {
         addPoint(around, j, index, centre);
@@ -201,8 +215,11 @@ template <class Body>
 void forShares(const StencilSet &s, std::size_t j, Body &&body) {
   if (!s.isLattice()) return body(j, 1.0);
   for (Index k = s.entriesOfPhyxel.offsets[j]; k < s.entriesOfPhyxel.offsets[j + 1]; ++k) {
-    const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
-    body(q, 1.0 / (s.phyxels.offsets[q + 1] - s.phyxels.offsets[q]));
+    const Index entry = s.entriesOfPhyxel.indices[k], q = s.pointOfEntry(entry);
+    if (!s.isCorner(entry, q)) continue;
+    const Index sharing =
+        s.quadratic.find(q) != nullptr ? QuadraticPoints::kCorners : s.phyxels.offsets[q + 1] - s.phyxels.offsets[q];
+    body(q, 1.0 / sharing);
   }
 }
 

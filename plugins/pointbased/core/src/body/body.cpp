@@ -32,6 +32,7 @@ std::vector<double> meansAround(const Constitution &constitution, const RestStat
     double sum = 0.0, volume = 0.0;
     for (const Index entry : s.entriesOfPhyxel.row(i)) {
       const Index q = s.pointOfEntry(entry);
+      if (!s.isCorner(entry, q)) continue;
       sum += s.volumes[q] * (constitution.materials[s.materials[q]].*number);
       volume += s.volumes[q];
     }

@@ -416,7 +416,8 @@ void phyxelMeans(const RestState &rest, std::span<const Mat3> pointValues, std::
     Mat3 sum = Mat3::Zero();
     double volume = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-      const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
+      const Index entry = s.entriesOfPhyxel.indices[k], q = s.pointOfEntry(entry);
+      if (!s.isCorner(entry, q)) continue;
       sum += s.volumes[q] * pointValues[q];
       volume += s.volumes[q];
     }

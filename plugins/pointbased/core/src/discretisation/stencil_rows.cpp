@@ -149,4 +149,35 @@ void expandRows(StencilSet &s) {
   std::vector<Index>().swap(s.rowsOf);
 }
 
+StencilSet withTrilinearRows(const StencilSet &s) {
+  StencilSet whole = s;
+  expandRows(whole);
+  StencilSet out = whole;
+  out.quadratic = {};
+  out.phyxels = {};
+  out.gradients.clear();
+  out.modes.clear();
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    const QuadraticPoints::Point *point = s.quadratic.find(q);
+    const Index first = s.phyxels.offsets[q], count = s.phyxels.offsets[q + 1] - first;
+    std::array<Vec3, kCorners> gradients;
+    std::array<Eigen::Vector4d, kCorners> modes;
+    if (point != nullptr) {
+      cellGradients(point->corners, s.axes, gradients);
+      cellModes(point->corners, modes);
+    }
+    for (Index k = 0; k < (point != nullptr ? QuadraticPoints::kCorners : count); ++k) {
+      out.phyxels.indices.push_back(s.phyxels.indices[first + k]);
+      const Vec3 inReference = point != nullptr && !s.reference.empty() ? Vec3(s.reference[q] * gradients[k])
+                               : point != nullptr                       ? gradients[k]
+                                                                        : whole.gradients[first + k];
+      out.gradients.push_back(inReference);
+      out.modes.push_back(point != nullptr ? modes[k] : whole.modes[first + k]);
+    }
+    out.phyxels.offsets.push_back(static_cast<Index>(out.phyxels.indices.size()));
+  }
+  buildGather(out, s.entriesOfPhyxel.rows());
+  return out;
+}
+
 }  // namespace pointbased

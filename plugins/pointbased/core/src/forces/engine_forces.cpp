@@ -4,6 +4,7 @@
 #include "base/expects.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
+#include "forces/quadratic_energy.h"
 #include "forces/relaxing_hourglass.h"
 #include "forces/viscous_hourglass.h"
 
@@ -24,6 +25,28 @@ void addViscous(const Material &material, double stabilisation, const StencilSet
                   rateOfF, rateOfModes, stress, pull, twisted);
 }
 
+// Forces of a point with functions of second order.
+void quadraticForces(const Material &material, double stabilisation, const StencilSet &s, std::size_t q,
+                     const QuadraticPoints::Point &at, std::span<const Vec3> u, const Mat3 &F, Mat3 stress,
+                     std::span<const Vec3> velocities, std::span<Vec3> entryForces) {
+  const HourglassEnergy modal(material, stabilisation);
+  const bool linear = material.law == MaterialLaw::linear;
+  const Amplitudes modes = amplitudes(s, q, u);
+  const QuadraticPoint point(QuadraticEnergy(modal), s, q, at, F, secondGradient(bendsOf(s, q, at, u), modes));
+  SecondGradient pull = point.FQ * point.D;
+  Vec3 twisted = modal.twist(s.volumes[q], s.variances[q]) * modes.topRightCorner<3, 1>();
+  if (!linear) stress += point.H * point.QD.transpose();
+  if (!velocities.empty() && material.viscosity > 0.0) {
+    Mat3 rateOfF;
+    Amplitudes rateOfModes;
+    fittedModes(s, q, velocities, rateOfF, rateOfModes);
+    addViscousSecond(viscousHourglass(material, stabilisation), linear, s, q, point, F, modes, rateOfF,
+                     secondGradient(bendsOf(s, q, at, velocities), rateOfModes), rateOfModes, stress, pull, twisted);
+  }
+  spread(ModalConjugates(stress, pull.rightCols<3>(), twisted), s, q, entryForces);
+  spreadBends(s, q, at, pull.leftCols<3>(), entryForces);
+}
+
 // Forces of every point of a run on the phyxels of its stencil; the anchor gets the negative sum.
 template <Stabilisation control>
 void pointForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
@@ -34,6 +57,10 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
   for (std::size_t q = from; q < to; ++q) {
     if constexpr (control == Stabilisation::hourglass) {
       const Mat3 F = linear ? Mat3(Mat3::Identity()) : gradients[q];
+      if (const QuadraticPoints::Point *quadratic = s.quadratic.find(q)) {
+        quadraticForces(material, stabilisation, s, q, *quadratic, u, F, stresses[q], velocities, entryForces);
+        continue;
+      }
       const Amplitudes modes = amplitudes(s, q, u);
       const HourglassPoint point(hourglass, s, q, F, modes);
       Mat3 stress = stresses[q], pull = point.FQ * point.D;

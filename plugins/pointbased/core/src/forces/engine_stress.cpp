@@ -9,6 +9,7 @@
 #include "forces/custom_batches.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
+#include "forces/quadratic_energy.h"
 
 namespace pointbased {
 
@@ -158,6 +159,15 @@ ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const St
                                          linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
                                          HourglassStrain(HourglassStrain::Zero()));
       stabilisation = 0.5 * point.strain.cwiseProduct(point.D).sum();
+    } else if (const QuadraticPoints::Point *quadratic = s.quadratic.find(q);
+               control == Stabilisation::hourglass && quadratic != nullptr) {
+      const HourglassEnergy modal(material, constitution.stabilisation);
+      const Amplitudes modes = amplitudes(s, q, u);
+      const QuadraticPoint point(QuadraticEnergy(modal), s, q, *quadratic,
+                                 linear ? Mat3(Mat3::Identity()) : gradients[q],
+                                 secondGradient(bendsOf(s, q, *quadratic, u), modes));
+      stabilisation =
+          point.energy + 0.5 * modal.twist(s.volumes[q], s.variances[q]) * modes.topRightCorner<3, 1>().squaredNorm();
     } else if (control == Stabilisation::hourglass) {
       stabilisation = HourglassPoint(HourglassEnergy(material, constitution.stabilisation), s, q,
                                      linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u))

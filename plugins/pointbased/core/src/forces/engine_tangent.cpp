@@ -20,6 +20,31 @@ struct Field {
   std::span<const Vec3> change;
 };
 
+// spreadChange() of a point with functions of second order.
+void spreadQuadraticChange(const Material &material, double stabilisation, const StencilSet &s, std::size_t q,
+                           const QuadraticPoints::Point &at, const Field &field, const Mat3 &turning,
+                           double viscousScale, const Mat3 &dFit, Mat3 dP, const Amplitudes &dA,
+                           std::span<Vec3> entries) {
+  const HourglassEnergy modal(material, stabilisation);
+  const QuadraticEnergy law(modal);
+  const bool linear = material.law == MaterialLaw::linear;
+  const Amplitudes modes = amplitudes(s, q, field.displacements);
+  const QuadraticPoint point(law, s, q, at, turning, secondGradient(bendsOf(s, q, at, field.displacements), modes));
+  const SecondGradient dH = secondGradient(bendsOf(s, q, at, field.change), dA),
+                       dD = point.conjugateChange(law, s, linear, dFit, dH);
+  SecondGradient dPull = point.FQ * dD;
+  if (!linear) {
+    dPull += dFit * point.QD;
+    dP += dH * point.QD.transpose() + point.H * (s.axes * dD).transpose();
+  }
+  Vec3 dTwisted = modal.twist(s.volumes[q], s.variances[q]) * dA.topRightCorner<3, 1>();
+  if (viscousScale > 0.0 && material.viscosity > 0.0)
+    addViscousSecond(viscousHourglass(material, stabilisation), linear, s, q, point, turning, modes,
+                     viscousScale * dFit, viscousScale * dH, viscousScale * dA, dP, dPull, dTwisted);
+  spread(ModalConjugates(dP, dPull.rightCols<3>(), dTwisted), s, q, entries);
+  spreadBends(s, q, at, dPull.leftCols<3>(), entries);
+}
+
 // Change of the forces of a point on its phyxels; dP is v dP of its stress.
 template <Stabilisation control>
 void spreadChange(const Material &material, double stabilisation, const HourglassEnergy &hourglass, const StencilSet &s,
@@ -29,6 +54,11 @@ void spreadChange(const Material &material, double stabilisation, const Hourglas
   if constexpr (control == Stabilisation::hourglass) {
     const bool linear = material.law == MaterialLaw::linear;
     const Mat3 turning = linear ? Mat3(Mat3::Identity()) : F;
+    if (const QuadraticPoints::Point *quadratic = s.quadratic.find(q)) {
+      spreadQuadraticChange(material, stabilisation, s, q, *quadratic, field, turning, viscousScale, dFit, dP, dA,
+                            entries);
+      return;
+    }
     const Amplitudes modes = amplitudes(s, q, field.displacements);
     const HourglassPoint point(hourglass, s, q, turning, modes);
     const Mat3 dModes = dA.topLeftCorner<3, 3>();

@@ -22,12 +22,14 @@ Matrix9 positivePart(const Matrix9 &C);
 class PointStiffness {
  public:
   using Columns = Eigen::Matrix<double, 9, 3>;
+  using SecondColumns = Eigen::Matrix<double, 18, 3>;
   /// Factors of the blocks of one entry.
   struct Entry {
-    Columns stress;             ///< d(v P) by displacements of the entry
-    Columns modes;              ///< dB by displacements of the entry
-    Columns conjugate;          ///< dD = H dB
-    Mat3 twist = Mat3::Zero();  ///< only if modes relax or are viscous: change of Q^T F^T a_xyz
+    Columns stress;                         ///< d(v P) by displacements of the entry
+    Columns modes;                          ///< dB by displacements of the entry
+    Columns conjugate;                      ///< dD = H dB
+    SecondColumns second, secondConjugate;  ///< in place of modes and conjugate, with functions of second order
+    Mat3 twist = Mat3::Zero();              ///< only if modes relax or are viscous: change of Q^T F^T a_xyz
   };
 
   PointStiffness(const Constitution &constitution, const StencilSet &s, std::size_t q, std::span<const Vec3> X,
@@ -49,6 +51,11 @@ class PointStiffness {
       twistQD_ = point.QD.col(3);
       point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.variances[q]);
     }
+    quadratic_ = control_ == Stabilisation::hourglass && !relaxing_ ? s.quadratic.find(q) : nullptr;
+    if (quadratic_ != nullptr)
+      quadraticPoint_.emplace(QuadraticEnergy(modal_), s, q, *quadratic_,
+                              linear_ ? Mat3(Mat3::Identity()) : gradients[q],
+                              secondGradient(bendsOf(s, q, *quadratic_, u), amplitudes(s, q, u)));
     if (control_ == Stabilisation::hourglass && viscousScale_ > 0.0)
       viscousTwist_ = viscousScale_ * viscous_.twist(s.volumes[q], s.variances[q]);
     const bool flat = s.rank[q] < 3;
@@ -84,6 +91,7 @@ class PointStiffness {
     out.stress = g[0] * elastic_.leftCols<3>() + g[1] * elastic_.middleCols<3>(3) + g[2] * elastic_.rightCols<3>();
     if (control_ != Stabilisation::hourglass) return out;
     const Vec3 row = modeRows_[e].head<3>(), turned = s_.axes.transpose() * g;
+    if (quadratic_ != nullptr) addSecond(e, row, turned, out);
     for (int i = 0; i < 3; ++i) {
       Mat3 dB = point_.FQ.row(i).transpose() * row.transpose();
       if (!linear_) dB += turned * point_.A.row(i);
@@ -106,7 +114,10 @@ class PointStiffness {
     Mat3 K = g[0] * ofL.stress.topRows<3>() + g[1] * ofL.stress.middleRows<3>(3) + g[2] * ofL.stress.bottomRows<3>();
     if (control_ == Stabilisation::hourglass) {
       // From this size on Eigen uses its product for large matrices, which costs ten times as much here.
-      K += ofJ.modes.transpose().lazyProduct(ofL.conjugate);
+      if (quadratic_ != nullptr)
+        K += ofJ.second.transpose().lazyProduct(ofL.secondConjugate);
+      else
+        K += ofJ.modes.transpose().lazyProduct(ofL.conjugate);
       if (relaxing_)
         K += (point_.twistStiffness + viscousTwist_) * ofJ.twist.transpose().lazyProduct(ofL.twist);
       else
@@ -121,6 +132,11 @@ class PointStiffness {
   /// Contribution of the second derivative of B to the diagonal block of an entry.
   [[nodiscard]] double curvature(Index e) const {
     if (control_ != Stabilisation::hourglass || linear_) return 0.0;
+    if (quadratic_ != nullptr) {
+      Eigen::Matrix<double, 6, 1> row;
+      row << bendsRow(e), modeRows_[e].head<3>();
+      return 2.0 * gradientRows_[e].dot(quadraticPoint_->QD * row);
+    }
     double sum = 2.0 * gradientRows_[e].dot(point_.QD * modeRows_[e].head<3>());
     if (relaxing_) sum += 2.0 * modeRows_[e][3] * gradientRows_[e].dot(twistQD_);
     return sum;
@@ -130,6 +146,20 @@ class PointStiffness {
   [[nodiscard]] Index last() const { return s_.phyxels.offsets[q_ + 1]; }
 
  private:
+  [[nodiscard]] const Vec3 &bendsRow(Index e) const { return s_.quadratic.bends[quadratic_->first + (e - first())]; }
+  // Change of the second derivatives by displacements of an entry, and of their conjugates.
+  void addSecond(Index e, const Vec3 &mixed, const Vec3 &turned, Entry &out) const {
+    Eigen::Matrix<double, 1, 6> row;
+    row << bendsRow(e).transpose(), mixed.transpose();
+    for (int i = 0; i < 3; ++i) {
+      SecondGradient dB = quadraticPoint_->FQ.row(i).transpose() * row;
+      if (!linear_) dB += turned * quadraticPoint_->H.row(i);
+      SecondGradient dD = QuadraticEnergy(modal_).conjugate(dB, quadraticPoint_->vC);
+      if (viscousScale_ > 0.0) dD += viscousScale_ * QuadraticEnergy(viscous_).conjugate(dB, quadraticPoint_->vC);
+      out.second.col(i) = Eigen::Map<const Eigen::Matrix<double, 18, 1>>(dB.data());
+      out.secondConjugate.col(i) = Eigen::Map<const Eigen::Matrix<double, 18, 1>>(dD.data());
+    }
+  }
   // Σ_k w_k c_kj c_kl, with D_k = X_k - X_a and c_k = δ_kj - δ_aj - g_j·D_k.
   [[nodiscard]] double residualCoefficient(Index j, Index l) const {
     const Index anchor = first();
@@ -156,6 +186,8 @@ class PointStiffness {
   bool linear_;
   HourglassPoint point_;
   std::optional<RelaxingHourglass> relaxing_;
+  const QuadraticPoints::Point *quadratic_ = nullptr;  // null: an ordinary point
+  std::optional<QuadraticPoint> quadraticPoint_;
   Vec3 twistQD_ = Vec3::Zero();
   Matrix9 elastic_;
   double scale_ = 0.0, weight_ = 0.0;

@@ -2,7 +2,7 @@
 // Viscosity of the modes of a lattice cell. Private to the core.
 #pragma once
 
-#include "forces/hourglass_energy.h"
+#include "forces/quadratic_energy.h"
 
 namespace pointbased::detail {
 
@@ -35,6 +35,23 @@ inline void addViscousModes(const HourglassEnergy &viscous, bool linear, const S
   pull += FQ * D.leftCols<3>();
   twisted += FQ * D.col(3);
   if (!linear) stress += A * (s.axes * D).transpose();
+}
+
+/// addViscousModes() of a cell with functions of second order, by QuadraticEnergy.
+/// @param pull  conjugates of the second derivatives
+inline void addViscousSecond(const HourglassEnergy &viscous, bool linear, const StencilSet &s, std::size_t q,
+                             const QuadraticPoint &point, const Mat3 &F, const Amplitudes &modes, const Mat3 &rateOfF,
+                             const SecondGradient &rateOfSecond, const Amplitudes &rateOfModes, Mat3 &stress,
+                             SecondGradient &pull, Vec3 &twisted) {
+  const Mat3 FQ = F * s.axes, rateOfFQ = linear ? Mat3(Mat3::Zero()) : Mat3(rateOfF * s.axes);
+  const Vec3 twist = modes.topRightCorner<3, 1>();
+  const SecondGradient D =
+      QuadraticEnergy(viscous).conjugate(FQ.transpose() * rateOfSecond + rateOfFQ.transpose() * point.H, point.vC);
+  const Vec3 d = viscous.twist(s.volumes[q], s.variances[q]) *
+                 (FQ.transpose() * rateOfModes.topRightCorner<3, 1>() + rateOfFQ.transpose() * twist);
+  pull += FQ * D;
+  twisted += FQ * d;
+  if (!linear) stress += point.H * (s.axes * D).transpose() + twist * (s.axes * d).transpose();
 }
 
 /// Mean gradient and amplitudes of a vector field over the corners of a cell.

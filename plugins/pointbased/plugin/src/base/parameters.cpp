@@ -22,6 +22,7 @@ constexpr std::array<c3de_str, 3> kPrecisions{str("auto"), str("double"), str("s
 constexpr std::array<c3de_str, 5> kPreconditioners{str("auto"), str("multigrid"), str("block_jacobi"),
                                                    str("incomplete"), str("factorised")};
 constexpr std::array<c3de_str, 3> kAdaptive{str("auto"), str("on"), str("off")};
+constexpr std::array<c3de_str, 2> kOrders{str("linear"), str("quadratic")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
@@ -268,6 +269,12 @@ constexpr std::array kBody{
                  "stress_points: cells that the surface cuts are divided until they are at most this; 0: as inside",
                  "Sampling"},
                 {0.0, 1e4, 0.0, 0.02}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
+    choiceParam({"sampling.order", "Order", "",
+                 "stress_points: functions of the cells that the surface cuts. linear: from their corners; quadratic: "
+                 "from rows of four phyxels, which bends alike in every direction of the lattice and costs several "
+                 "times as much",
+                 "Sampling"},
+                kOrders, "linear", C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     numberParam({"sampling.jitter", "Jitter", "",
                  "stress_points: phyxels inside are moved at random by up to this part of the spacing", "Sampling"},
                 {0.0, 0.3, 0.0, 0.3}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
@@ -555,6 +562,7 @@ LatticeSampling samplingOf(const ParameterValues &v) {
   sampling.count = v.isAuto("sampling.count") ? 0 : static_cast<std::size_t>(v.number("sampling.count"));
   sampling.surfaceSpacing = v.number("sampling.surface_spacing");
   sampling.jitter = v.number("sampling.jitter");
+  sampling.order = v.text("sampling.order") == "quadratic" ? LatticeOrder::quadratic : LatticeOrder::linear;
   return sampling;
 }
 

@@ -154,10 +154,11 @@ BodyRecipe recipeOf(const Services &services, const std::string &name, const Bod
   recipe.neighbors = neighborChoiceOf(values);
   if (recipe.evaluation == Evaluation::phyxels &&
       (!source.refinements.empty() || recipe.sampling.surfaceSpacing > 0.0 || recipe.sampling.jitter > 0.0 ||
-       values.text("sampling.adaptive") == "on"))
-    throw sdk::Error(C3DE_E_ARG,
-                     name + ": sampling.refine, surface_spacing, adaptive and jitter belong to sampling.evaluation = " +
-                         "\"stress_points\"; with \"phyxels\" choose spacing or count");
+       values.text("sampling.adaptive") == "on" || recipe.sampling.order != LatticeOrder::linear))
+    throw sdk::Error(
+        C3DE_E_ARG,
+        name + ": sampling.refine, surface_spacing, order, adaptive and jitter belong to sampling.evaluation = " +
+            "\"stress_points\"; with \"phyxels\" choose spacing or count");
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
   recipe.reshape = reshapeOf(services);

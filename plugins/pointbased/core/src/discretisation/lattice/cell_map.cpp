@@ -63,23 +63,38 @@ void Row::clear() {
   weights.clear();
   gradients.clear();
   modes.clear();
+  bends.clear();
+}
+
+void Row::addTo(Index phyxel, double weight, const Vec3 &gradient, const Eigen::Vector4d &mode, const Vec3 &bend) {
+  std::size_t at = 0;
+  while (at < phyxels.size() && phyxels[at] != phyxel) ++at;
+  if (at == phyxels.size()) {
+    phyxels.push_back(phyxel);
+    weights.push_back(weight);
+    gradients.push_back(gradient);
+    modes.push_back(mode);
+    bends.push_back(bend);
+  } else {
+    weights[at] += weight;
+    gradients[at] += gradient;
+    modes[at] += mode;
+    bends[at] += bend;
+  }
 }
 
 void Row::add(const NodeTable &corners, Index node, double weight, const Vec3 &gradient, const Eigen::Vector4d &mode) {
   corners.visit(node, [&](Index phyxel, double part) {
-    std::size_t at = 0;
-    while (at < phyxels.size() && phyxels[at] != phyxel) ++at;
-    if (at == phyxels.size()) {
-      phyxels.push_back(phyxel);
-      weights.push_back(part * weight);
-      gradients.push_back(part * gradient);
-      modes.push_back(part * mode);
-    } else {
-      weights[at] += part * weight;
-      gradients[at] += part * gradient;
-      modes[at] += part * mode;
-    }
+    addTo(phyxel, part * weight, part * gradient, part * mode, Vec3::Zero());
   });
+}
+
+void Row::add(const QuadraticEdges &edges, Index edge, double weight, const Vec3 &gradient, const Eigen::Vector4d &mode,
+              const Vec3 &bend) {
+  for (Index e = edges.phyxels.offsets[edge]; e < edges.phyxels.offsets[edge + 1]; ++e) {
+    const double part = edges.weights[e];
+    addTo(edges.phyxels.indices[e], part * weight, part * gradient, part * mode, part * bend);
+  }
 }
 
 LatticeCellMap::LatticeCellMap(CellSet &&set, PartSet &&parts, NodeTable &&corners)
@@ -259,6 +274,14 @@ void LatticeCellMap::functionsAt(Index part, const Vec3 &local, std::array<doubl
   }
 }
 
+EdgeFunctions LatticeCellMap::edgeFunctionsAt(Index part, const Vec3 &local) const {
+  const Cell &cell = set_.cells[parts_.parts[part].cell];
+  const double edge = set_.edge(cell);
+  EdgeFunctions out = lattice::edgeFunctionsAt((local - set_.centre(cell)) / edge);
+  for (Vec3 &g : out.gradients) g /= edge;
+  return out;
+}
+
 // Faces of distorted cells have moved: the neighbour may contain the point instead.
 Index LatticeCellMap::neighbourHolding(Index part, const Vec3 &local) const {
   const Cell &cell = set_.cells[parts_.parts[part].cell];
@@ -291,6 +314,11 @@ Interpolation LatticeCellMap::bind(std::span<const Vec3> points, std::span<const
     row.clear();
     for (std::size_t j = 0; j < 8; ++j)
       row.add(corners_, parts_.parts[parts[p]].nodes[j], functions[j], axes * gradients[j]);
+    if (!edges_.any()) return;
+    const EdgeFunctions ofEdges = edgeFunctionsAt(parts[p], axes.transpose() * points[p]);
+    edges_.forPart(parts[p], [&](std::size_t e, Index edge) {
+      row.add(edges_, edge, ofEdges.values[e], axes * ofEdges.gradients[e]);
+    });
   };
   parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
     Row row;
@@ -306,6 +334,7 @@ Interpolation LatticeCellMap::bind(std::span<const Vec3> points, std::span<const
       if (distorted(parts_.parts[parts[p]].cell)) parts[p] = neighbourHolding(parts[p], local);
       row.clear();
       for (const Index node : parts_.parts[parts[p]].nodes) row.add(corners_, node, 0.0, Vec3::Zero());
+      edges_.forPart(parts[p], [&](std::size_t, Index edge) { row.add(edges_, edge, 0.0, Vec3::Zero()); });
       result.phyxels.offsets[p + 1] = static_cast<Index>(row.phyxels.size());
     }
   });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "discretisation/lattice/cut_cell_fragments.h"
+#include "discretisation/lattice/lattice_edges.h"
 
 namespace pointbased::lattice {
 
@@ -12,11 +12,18 @@ struct Row {
   std::vector<double> weights;
   std::vector<Vec3> gradients;
   std::vector<Eigen::Vector4d> modes;
+  std::vector<Vec3> bends;  ///< xx, yy, zz
 
   void clear();
   /// Adds `weight` etc. of a corner to the phyxels of its row.
   void add(const NodeTable &corners, Index node, double weight, const Vec3 &gradient,
            const Eigen::Vector4d &modes = Eigen::Vector4d::Zero());
+  /// Same for a row of edges.
+  void add(const QuadraticEdges &edges, Index edge, double weight, const Vec3 &gradient,
+           const Eigen::Vector4d &modes = Eigen::Vector4d::Zero(), const Vec3 &bends = Vec3::Zero());
+
+ private:
+  void addTo(Index phyxel, double weight, const Vec3 &gradient, const Eigen::Vector4d &modes, const Vec3 &bends);
 };
 
 /// The cells with their parts and corners; assigns points to parts.
@@ -38,9 +45,14 @@ class LatticeCellMap : public CellMap {
   /// @param local  lattice axes, m
   /// @param outward  unit, lattice axes, or zero
   [[nodiscard]] Index partOf(const Vec3 &local, const Vec3 &outward) const;
+  [[nodiscard]] const QuadraticEdges &edges() const { return edges_; }
+  void setEdges(QuadraticEdges edges) { edges_ = std::move(edges); }
   /// N_j and ∇N_j (1/m, lattice axes) of the cell of a part, extrapolated outside of it.
   void functionsAt(Index part, const Vec3 &local, std::array<double, 8> &functions,
                    std::array<Vec3, 8> &gradients) const;
+
+  /// Functions of the edges of its cell there, likewise; of a cell that is not distorted.
+  [[nodiscard]] EdgeFunctions edgeFunctionsAt(Index part, const Vec3 &local) const;
 
   /// Moves phyxels; `distorted`: cells (by index) that are no longer cubes.
   void move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted);
@@ -67,6 +79,7 @@ class LatticeCellMap : public CellMap {
   CellSet set_;
   PartSet parts_;
   NodeTable corners_;
+  QuadraticEdges edges_;
   std::vector<std::uint8_t> distorted_;  // per cell, or empty
 };
 

@@ -40,6 +40,9 @@ Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
                   std::to_string(kMaximumPhyxels));
   if (!(sampling.jitter >= 0.0 && sampling.jitter <= 0.3))
     return refuse("jitter = " + number(sampling.jitter, 4) + " is not accepted: 0 … 0.3");
+  if (sampling.order == LatticeOrder::quadratic && sampling.jitter > 0.0)
+    return refuse("jitter = " + number(sampling.jitter, 4) +
+                  " is not accepted with functions of second order, which need regular rows of phyxels: 0");
   if (!(sampling.surfaceSpacing >= 0.0) || !std::isfinite(sampling.surfaceSpacing))
     return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing, 4) + " m is not accepted: finite and >= 0");
   if (sampling.axes && (!((sampling.axes->transpose() * *sampling.axes - Mat3::Identity()).norm() < 1e-9) ||
@@ -328,14 +331,13 @@ class HangingCellFinder {
   std::unordered_map<Index, Index> rows_;  // by node
 };
 
-void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
-                 std::span<const PartContent> contents, LatticeBody &body, const ParallelFor &parallelFor) {
-  StencilSet &stencils = body.stencils;
-  const Mat3 &axes = map.set().frame.axes;
-  stencils.axes = axes;
+// Contents of the free part of every cell, by material.
+using MaterialContents = std::vector<std::vector<MaterialContent>>;
+
+MaterialContents findMaterials(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
+                               std::span<const PartContent> contents, const ParallelFor &parallelFor) {
   const MaterialFinder finder(shape, sampling, map.set());
-  HangingCellFinder hanging(map.corners(), stencils.hanging);
-  Row row;
+  MaterialContents out(contents.size());
   for (std::size_t p = 0; p < contents.size(); ++p) {
     if (p % detail::kPollInterval == 0) detail::checkCancelled(parallelFor);
     const CutCellFragment &part = map.parts()[p];
@@ -347,12 +349,94 @@ void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const 
     if (map.distorted(part.cell))
       materials = {*std::max_element(materials.begin(), materials.end(),
                                      [](const auto &a, const auto &b) { return a.moments.share < b.moments.share; })};
-    for (const auto &[material, moments] : materials) {
+    out[p] = std::move(materials);
+  }
+  return out;
+}
+
+// Edges of cells that the surface or a held region cuts. Cells of several materials keep trilinear functions, as layers
+// (laminate.h), and so do cells next to larger ones.
+QuadraticEdges edgesOf(const LatticeCellMap &map, std::span<const PartContent> contents,
+                       const MaterialContents &materials) {
+  constexpr double kWhole = 0.999;
+  std::vector<std::uint8_t> taking(contents.size(), 0), cut(contents.size(), 0), excluded(contents.size(), 0);
+  for (std::size_t p = 0; p < contents.size(); ++p) {
+    if (materials[p].empty()) continue;
+    taking[p] = 1;
+    cut[p] = contents[p].free.share < kWhole ? 1 : 0;
+    bool isAside = materials[p].size() > 1;
+    for (const Index node : map.parts()[p].nodes) {
+      std::size_t phyxels = 0;
+      map.corners().visit(node, [&](Index, double) { ++phyxels; });
+      isAside = isAside || phyxels != 1;
+    }
+    excluded[p] = isAside ? 1 : 0;
+  }
+  return findQuadraticEdges(map.set(), map.parts(), map.corners(), taking, cut, excluded);
+}
+
+// Adds the functions of edges to the row of a point over the corners of its cell.
+void addQuadraticPoint(const LatticeCellMap &map, Index p, const Moments &moments, Row &row, StencilSet &stencils) {
+  if (!map.edges().any()) return;
+  const auto &ofPart = map.edges().ofParts[p];
+  if (std::all_of(ofPart.begin(), ofPart.end(), [](Index edge) { return edge == kNone; })) {
+    stencils.quadratic.of.push_back(QuadraticPoints::kNone);
+    return;
+  }
+  const double edge = map.set().edge(map.set().cells[map.parts()[p].cell]);
+  const Mat3 &axes = map.set().frame.axes;
+  const EdgeMeans means = edgeMeansOf(moments);
+  QuadraticPoints &quadratic = stencils.quadratic;
+  QuadraticPoints::Point point;
+  std::array<Vec3, 8> gradients;
+  std::array<Eigen::Vector4d, 8> modes;
+  for (std::size_t j = 0; j < 8; ++j) {
+    gradients[j] = axes.transpose() * row.gradients[j];
+    modes[j] = row.modes[j];
+    // Second derivatives in place of the modes of a cut cell.
+    row.modes[j].head<3>() = means.ofCorners[j] / (edge * edge);
+  }
+  point.corners = shapeOfRows(gradients, modes).value();
+  point.edges = ofPart;
+  point.second = moments.second / moments.share;
+  point.cubic = moments.cubic / moments.share;
+  point.triple = moments.triple / moments.share;
+  const Vec3 mixed = moments.mixed / moments.share, centroid = moments.centroid();
+  point.covariance << point.second[0], mixed[0], mixed[1], mixed[0], point.second[1], mixed[2], mixed[1], mixed[2],
+      point.second[2];
+  point.covariance -= centroid * centroid.transpose();
+  point.covariance *= edge * edge;
+  point.first = static_cast<Index>(quadratic.bends.size());
+  map.edges().forPart(p, [&](std::size_t e, Index function) {
+    const SecondDerivatives &H = means.second[e];
+    const Vec3 bends = Vec3(H[0], H[1], H[2]) / (edge * edge), mixedOnes = Vec3(H[3], H[4], H[5]) / (edge * edge);
+    row.add(map.edges(), function, 0.0, axes * means.functions.gradients[e] / edge,
+            {mixedOnes[0], mixedOnes[1], mixedOnes[2], 0.0}, bends);
+  });
+  quadratic.bends.insert(quadratic.bends.end(), row.bends.begin(), row.bends.end());
+  quadratic.of.push_back(static_cast<Index>(quadratic.points.size()));
+  quadratic.points.push_back(point);
+}
+
+void buildPoints(const LatticeSampling &sampling, const LatticeCellMap &map, const MaterialContents &contents,
+                 LatticeBody &body, const ParallelFor &parallelFor) {
+  StencilSet &stencils = body.stencils;
+  const Mat3 &axes = map.set().frame.axes;
+  stencils.axes = axes;
+  stencils.quadratic.edgePhyxels = map.edges().phyxels;
+  stencils.quadratic.edgeWeights = map.edges().weights;
+  HangingCellFinder hanging(map.corners(), stencils.hanging);
+  Row row;
+  for (std::size_t p = 0; p < contents.size(); ++p) {
+    if (p % detail::kPollInterval == 0) detail::checkCancelled(parallelFor);
+    const CutCellFragment &part = map.parts()[p];
+    for (const auto &[material, moments] : contents[p]) {
       const PointGeometry point = pointOf(map, static_cast<Index>(p), moments);
       hanging.add(part.nodes, point, stencils.pointCount());
       row.clear();
       for (std::size_t j = 0; j < 8; ++j)
         row.add(map.corners(), part.nodes[j], 0.0, axes * point.gradients[j], point.modes[j]);
+      addQuadraticPoint(map, static_cast<Index>(p), moments, row, stencils);
       stencils.phyxels.indices.insert(stencils.phyxels.indices.end(), row.phyxels.begin(), row.phyxels.end());
       stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
       stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
@@ -438,12 +522,15 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
   body.components = map->components();
   body.positions.reserve(map->corners().positions.size());
   for (const Vec3 &local : map->corners().positions) body.positions.push_back(frame.axes * local);
+  const MaterialContents materials = findMaterials(shape, sampling, *map, contents, parallelFor);
+  if (sampling.order == LatticeOrder::quadratic) map->setEdges(edgesOf(*map, contents, materials));
   PhyxelVolumes shared = shareVolumes(*map, contents, parallelFor);
+  addEdgeWeights(*map, contents, shared);
   body.volumes = std::move(shared.inertial);
   body.weightVolumes = std::move(shared.weights);
   body.heldVolumes = std::move(shared.held);
   body.supportVolumes = std::move(shared.carried);
-  buildPoints(shape, sampling, *map, contents, body, parallelFor);
+  buildPoints(sampling, *map, materials, body, parallelFor);
 
   // The counted volume is scaled to the volume of the body.
   double counted = 0.0;

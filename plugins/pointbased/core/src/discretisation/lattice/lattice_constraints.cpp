@@ -206,10 +206,16 @@ void addSurface(const BodyShape &shape, const Region &region, const LatticeCellM
     map.functionsAt(parts[i], local[i], functions, gradients);
     patch.surfaceArea += points.areas[i];
     patch.surfaceCentre += points.areas[i] * local[i];
-    for (std::size_t j = 0; j < 8; ++j) patch.surface[j] += points.areas[i] * functions[j];
+    PatchFunctions all{};
+    std::copy(functions.begin(), functions.end(), all.begin());
+    if (!map.distorted(map.parts()[parts[i]].cell)) {
+      const EdgeFunctions ofEdges = map.edgeFunctionsAt(parts[i], local[i]);
+      std::copy(ofEdges.values.begin(), ofEdges.values.end(), all.begin() + 8);
+    }
+    for (std::size_t j = 0; j < all.size(); ++j) patch.surface[j] += points.areas[i] * all[j];
     if (borderNormal(region, points.positions[i]).dot(points.normals[i]) > -0.5) continue;
     patch.facingArea += points.areas[i];
-    for (std::size_t j = 0; j < 8; ++j) patch.facing[j] += points.areas[i] * functions[j];
+    for (std::size_t j = 0; j < all.size(); ++j) patch.facing[j] += points.areas[i] * all[j];
   }
 }
 
@@ -324,23 +330,28 @@ class Holder {
     const Eigen::SelfAdjointEigenSolver<Mat3> extent(spread);
     const bool two = extent.eigenvalues()[2] > kLongBorder;
     std::array<double, 2> areas{};
-    std::array<std::array<double, 8>, 2> functions{};
+    std::array<PatchFunctions, 2> functions{};
     for (const BorderPiece &piece : patch.border) {
       const std::size_t half = two && extent.eigenvectors().col(2).dot(piece.place - middle) > 0.0 ? 1 : 0;
       const std::array<double, 8> there = trilinear(piece.place);
       areas[half] += piece.area;
       for (std::size_t j = 0; j < 8; ++j) functions[half][j] += piece.area * there[j];
+      const EdgeFunctions ofEdges = edgeFunctionsAt(piece.place);
+      for (std::size_t e = 0; e < kEdges; ++e) functions[half][8 + e] += piece.area * ofEdges.values[e];
     }
     for (const std::size_t half : {0u, 1u})
       if (areas[half] > 0.0) addRow(patch, areas[half], functions[half]);
   }
 
-  void addRow(const HeldPatch &patch, double area, const std::array<double, 8> &functions) {
+  void addRow(const HeldPatch &patch, double area, const PatchFunctions &functions) {
     const double edge = edgeOf(patch);
     if (!(area > 1e-6 * edge * edge)) return;
     row_.clear();
     for (std::size_t j = 0; j < 8; ++j)
       row_.add(map_.corners(), map_.parts()[patch.part].nodes[j], functions[j] / area, Vec3::Zero());
+    map_.edges().forPart(patch.part, [&](std::size_t e, Index row) {
+      row_.add(map_.edges(), row, functions[8 + e] / area, Vec3::Zero());
+    });
     double loose = 0.0;
     for (std::size_t e = 0; e < row_.phyxels.size(); ++e)
       if (held_[row_.phyxels[e]] == 0) loose += std::abs(row_.weights[e]);

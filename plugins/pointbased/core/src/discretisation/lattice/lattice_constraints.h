@@ -30,6 +30,9 @@ struct DividedSample {
 /// other regions.
 [[nodiscard]] std::optional<double> voxelShare(const CellSet &set, const Region &region, const Cell &cell, int sample);
 
+/// Integrals of the functions of the corners of a cell, then of its edges.
+using PatchFunctions = std::array<double, 8 + kEdges>;
+
 /// A piece of the border of a region inside the body.
 struct BorderPiece {
   Vec3 place = Vec3::Zero();  ///< in edges of the cell from its centre
@@ -43,10 +46,10 @@ struct HeldPatch {
   double borderArea = 0.0;          ///< of the region's border inside the body, m²
   std::vector<BorderPiece> border;  ///< the pieces of it
   double surfaceArea = 0.0;         ///< of the body's surface inside the region, m²
-  std::array<double, 8> surface{};  ///< Σ area N_j there, m²
+  PatchFunctions surface{};         ///< Σ area N there, m²
   /// Part of that which faces away from the border: the other side of a held layer, m²
   double facingArea = 0.0;
-  std::array<double, 8> facing{};     ///< Σ area N_j there, m²
+  PatchFunctions facing{};            ///< Σ area N there, m²
   Vec3 surfaceCentre = Vec3::Zero();  ///< Σ area X, lattice axes, m³
   bool thin = false;                  ///< acts as a surface: its material remains free
 };

@@ -243,4 +243,26 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   return out;
 }
 
+void addEdgeWeights(const LatticeCellMap &map, std::span<const PartContent> contents, PhyxelVolumes &volumes) {
+  if (!map.edges().any()) return;
+  const Sharing sharing{map, contents};
+  for (std::size_t p = 0; p < contents.size(); ++p) {
+    if (!map.parts()[p].kept) continue;
+    const Moments &all = contents[p].all, &loose = contents[p].free;
+    const double cube = std::pow(sharing.edge(p), 3);
+    const EdgeMeans ofAll = edgeMeansOf(all);
+    const bool holds = !volumes.held.empty() && all.share - loose.share > 1e-12;
+    const EdgeMeans ofFree = holds && loose.share > 0.0 ? edgeMeansOf(loose) : EdgeMeans{};
+    map.edges().forPart(static_cast<Index>(p), [&](std::size_t e, Index edge) {
+      const double whole = cube * all.share * ofAll.functions.values[e],
+                   held = holds ? whole - cube * loose.share * ofFree.functions.values[e] : 0.0;
+      for (Index k = map.edges().phyxels.offsets[edge]; k < map.edges().phyxels.offsets[edge + 1]; ++k) {
+        const Index phyxel = map.edges().phyxels.indices[k];
+        volumes.weights[phyxel] += map.edges().weights[k] * whole;
+        if (holds) volumes.held[phyxel] += map.edges().weights[k] * held;
+      }
+    });
+  }
+}
+
 }  // namespace pointbased::lattice

@@ -32,4 +32,8 @@ struct PhyxelVolumes {
 [[nodiscard]] PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents,
                                          const ParallelFor &parallelFor);
 
+/// Adds the integrals of the functions of edges (LatticeOrder::quadratic) to the shares of a uniform load. Volume and
+/// centre do not change.
+void addEdgeWeights(const LatticeCellMap &map, std::span<const PartContent> contents, PhyxelVolumes &volumes);
+
 }  // namespace pointbased::lattice

@@ -11,7 +11,10 @@ void Moments::add(double part, const Vec3 &c, const Vec3 &variance) {
   first += part * c;
   mixed += part * Vec3(c[0] * c[1], c[0] * c[2], c[1] * c[2]);
   triple += part * c[0] * c[1] * c[2];
-  second += part * (c.cwiseAbs2() + variance);
+  const Vec3 squares = c.cwiseAbs2() + variance;
+  second += part * squares;
+  cubic += part * squares * c.transpose();
+  quartic += part * squares.cwiseProduct(Vec3(c[1] * c[2], c[0] * c[2], c[0] * c[1]));
 }
 
 Vec3 Moments::variance() const { return (second / share - centroid().cwiseAbs2()).cwiseMax(0.0); }

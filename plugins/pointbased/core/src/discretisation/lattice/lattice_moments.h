@@ -10,9 +10,11 @@ namespace pointbased::lattice {
 struct Moments {
   double share = 0.0;  ///< of the cell
   Vec3 first = Vec3::Zero();
-  Vec3 mixed = Vec3::Zero();   ///< xy, xz, yz
-  double triple = 0.0;         ///< xyz
-  Vec3 second = Vec3::Zero();  ///< xx, yy, zz
+  Vec3 mixed = Vec3::Zero();    ///< xy, xz, yz
+  double triple = 0.0;          ///< xyz
+  Vec3 second = Vec3::Zero();   ///< xx, yy, zz
+  Mat3 cubic = Mat3::Zero();    ///< aab in row a, column b; the diagonal is not used
+  Vec3 quartic = Vec3::Zero();  ///< xxyz, yyxz, zzxy
 
   void add(double part, const Vec3 &centre, const Vec3 &variance);
   [[nodiscard]] Vec3 centroid() const { return first / share; }
