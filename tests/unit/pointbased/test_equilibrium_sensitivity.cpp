@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "c3de/core/thread_pool.h"
 #include "lattice_cases.h"
 #include "pointbased/equilibrium_sensitivity.h"
 #include "shapes.h"

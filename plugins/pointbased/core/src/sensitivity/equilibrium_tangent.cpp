@@ -31,13 +31,13 @@ std::string obstacleTo(const Body &body, const Environment &environment) {
   return {};
 }
 
-}  // namespace
-
-void EquilibriumTangent::clearPrescribed(std::span<Vec3> v) const {
-  const std::span<const std::uint8_t> mask = problem_->prescribed();
+void clearPrescribed(const IncrementalPotential &problem, std::span<Vec3> v) {
+  const std::span<const std::uint8_t> mask = problem.prescribed();
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (mask[i] != 0) v[i].setZero();
 }
+
+}  // namespace
 
 Result<void> EquilibriumTangent::linearise(Body &body, const Environment &environment, double loadFactor) {
   POINTBASED_EXPECTS(environment.parallelFor != nullptr, "a loop for the work");
@@ -54,13 +54,13 @@ Result<void> EquilibriumTangent::linearise(Body &body, const Environment &enviro
   };
   const std::vector<Vec3> before(body.forces().begin(), body.forces().end());
   if (!problem_->setState(u)) return unusable();
-  right_.resize(u.size());
-  problem_->gradient(right_);
+  std::vector<Vec3> gradient(u.size());
+  problem_->gradient(gradient);
   double scale = 0.0;
   for (const Vec3 &f : body.forces()) scale += f.squaredNorm();
   std::copy(before.begin(), before.end(), body.forces().begin());
-  clearPrescribed(right_);
-  const double rest = std::sqrt(dot(right_, right_));
+  clearPrescribed(*problem_, gradient);
+  const double rest = std::sqrt(dot(gradient, gradient));
   if (!std::isfinite(rest) || !std::isfinite(scale)) return unusable();
   residual_ = rest == 0.0 ? 0.0 : scale > 0.0 ? rest / std::sqrt(scale) : std::numeric_limits<double>::infinity();
   return {};
@@ -68,21 +68,29 @@ Result<void> EquilibriumTangent::linearise(Body &body, const Environment &enviro
 
 Result<void> EquilibriumTangent::solve(std::span<const Vec3> b, std::span<Vec3> x, double tolerance,
                                        int maxIterations) {
-  POINTBASED_EXPECTS(problem_ && b.size() == right_.size() && x.size() == b.size(), "one vector per phyxel");
-  std::copy(b.begin(), b.end(), right_.begin());
-  clearPrescribed(right_);
+  POINTBASED_EXPECTS(problem_.has_value(), "a linearised equilibrium");
+  auto done = solver_.solve(*problem_, b, x, tolerance, maxIterations, environment_.preconditioner, environment_.stop);
+  if (!done) return tl::unexpected("body '" + body_->name() + "': " + done.error());
+  return done;
+}
+
+Result<void> TangentSolver::solve(IncrementalPotential &problem, std::span<const Vec3> b, std::span<Vec3> x,
+                                  double tolerance, int maxIterations, Preconditioner choice, const StopRequest *stop) {
+  POINTBASED_EXPECTS(b.size() == problem.phyxels() && x.size() == b.size(), "one vector per phyxel");
+  right_.assign(b.begin(), b.end());
+  clearPrescribed(problem, right_);
   iterations_ = 0;
   if (std::all_of(right_.begin(), right_.end(), [](const Vec3 &v) { return v.isZero(0.0); })) {
     std::fill(x.begin(), x.end(), Vec3(Vec3::Zero()));
     return {};
   }
-  const Apply product = [this](std::span<const Vec3> in, std::span<Vec3> out) {
-    throwIfStopRequested(environment_.stop);
-    problem_->product(in, out);
-    clearPrescribed(out);
+  const Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
+    throwIfStopRequested(stop);
+    problem.product(in, out);
+    clearPrescribed(problem, out);
   };
   const Apply precondition = [this](std::span<const Vec3> in, std::span<Vec3> out) { keeper_.apply(in, out); };
-  keeper_.prepare(*problem_, environment_.preconditioner, environment_.stop);
+  keeper_.prepare(problem, choice, stop);
   linear_.begin(right_, precondition);
   int before = 0;
   LinearEnd end = LinearEnd::iterations;
@@ -93,20 +101,19 @@ Result<void> EquilibriumTangent::solve(std::span<const Vec3> b, std::span<Vec3> 
                       std::numeric_limits<double>::infinity());
     if (end != LinearEnd::iterations || budget >= left) break;
     keeper_.book(linear_.iterations() - before, tolerance, false);
-    keeper_.renew(*problem_, environment_.stop);
+    keeper_.renew(problem, stop);
     before = linear_.iterations();
     linear_.restart(product, precondition);
   }
   keeper_.book(linear_.iterations() - before, tolerance, end == LinearEnd::tolerance);
   iterations_ = linear_.iterations();
-  const std::string of = "body '" + body_->name() + "': ";
   if (end == LinearEnd::negativeCurvature)
-    return tl::unexpected(of +
-                          "the equilibrium is not stable (its tangent is not positive definite), or nothing "
-                          "holds the body; add a support or a foundation");
-  if (end == LinearEnd::notFinite) return tl::unexpected(of + "the linear solve is not finite");
+    return tl::unexpected(
+        std::string("the equilibrium is not stable (its tangent is not positive definite), or "
+                    "nothing holds the body; add a support or a foundation"));
+  if (end == LinearEnd::notFinite) return tl::unexpected(std::string("the linear solve is not finite"));
   if (end != LinearEnd::tolerance)
-    return tl::unexpected(of + "the linear solve has not converged to " + number(tolerance) + " in " +
+    return tl::unexpected("the linear solve has not converged to " + number(tolerance) + " in " +
                           std::to_string(iterations_) + " iterations; nothing may hold the body");
   std::copy(linear_.x().begin(), linear_.x().end(), x.begin());
   return {};
