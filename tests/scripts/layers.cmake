@@ -63,7 +63,7 @@ endfunction()
 check_folders(plugins/pointbased/core/src
   "base;shape;material;discretisation;constraints;forces;contact;solvers;skin;body;stepping;stepping/monitoring;\
 stepping/coupling;stepping/implicit;stepping/static;stepping/explicit;stepping/islands;stepping/simulation;\
-rereferencing;analysis;accuracy"
+sensitivity;matching;rereferencing;analysis;accuracy"
   pointbased types=base body_shape=shape support_energy=body contact_settings=contact obstacle=contact integrators=stepping
   world_settings=stepping accuracy=accuracy)
 check_folders(framework/imaging/src "formats;dicom;reading;masks;surface;warp")
