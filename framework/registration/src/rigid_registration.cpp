@@ -166,10 +166,38 @@ Determination determine(const TargetSurface &target, const MovingPoints &moving,
   return out;
 }
 
-/// Error of the motion as the points show it: half the difference of the motions of two halves of them, as a mean over
-/// several divisions, rms over the body.
-double errorBetweenHalves(const TargetSurface &target, const MovingPoints &moving, const Mat4 &best, double limit_mm,
-                          double noise_mm, ThreadPool *pool) {
+/// The motion `m`, measured to body, displaced along a part of the motion so that the body moves by rms `by_mm`.
+Mat4 displaced(const TargetSurface &target, const Mat4 &m, const Determination &d, double by_mm) {
+  const double arm = 0.5 * target.diagonal_mm(), scale = by_mm / std::max(d.largest_mm, 1e-9);
+  return multiply(
+      withPoint(rotationOf((scale / arm) * d.rotation), target.centre(), target.centre() + scale * d.translation), m);
+}
+
+/// How far the least determined part of the motion is displaced to find other minima near the best: share of the
+/// diagonal. Triangles and outliers make the sum of squares uneven.
+constexpr double kDisplaced = 0.03;
+
+/// The best of the fits from starts on both sides of a motion along its least determined part.
+Mat4 bestNearby(const TargetSurface &target, const MovingPoints &all, const Mat4 &best, const Determination &d,
+                double limit_mm, double noise_mm, ThreadPool *pool) {
+  const MovingPoints fine = all.subset(shuffledIndices(all.points.size(), kFinePoints));
+  std::array<Fitted, 5> fits{};
+  inParallel(pool, fits.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const double by_mm = (static_cast<double>(k) - 2.0) * kDisplaced * target.diagonal_mm();
+      const Mat4 start = k == 2 ? best : displaced(target, best, d, by_mm);
+      fits[k].bodyFromMeasured = k == 2 ? best : refine(target, fine, start, 2.0 * limit_mm, noise_mm, 30, Feet::exact);
+      fits[k].cost = truncatedCost(target, fine, fits[k].bodyFromMeasured, limit_mm, Feet::exact);
+    }
+  });
+  return std::min_element(fits.begin(), fits.end(), [](const Fitted &a, const Fitted &b) { return a.cost < b.cost; })
+      ->bodyFromMeasured;
+}
+
+/// Error of the motion as the points show it: half the difference of the motions of two halves of them, which begin on
+/// different sides of the best, as a mean over several divisions, rms over the body.
+double errorBetweenHalves(const TargetSurface &target, const MovingPoints &moving, const Mat4 &best,
+                          const Determination &d, double limit_mm, double noise_mm, ThreadPool *pool) {
   const std::vector<std::size_t> indices = shuffledIndices(moving.points.size(), kFinePoints);
   constexpr std::size_t kDivisions = 3;
   std::array<Mat4, 2 * kDivisions> motions{};
@@ -178,8 +206,9 @@ double errorBetweenHalves(const TargetSurface &target, const MovingPoints &movin
       std::vector<std::size_t> half;
       for (std::size_t i = 0; i < indices.size(); ++i)
         if ((i >> (k / 2)) % 2 == k % 2) half.push_back(indices[i]);
-      motions[k] =
-          geometry::rigidInverse(refine(target, moving.subset(half), best, 2.0 * limit_mm, noise_mm, 15, Feet::exact));
+      const double by_mm = (k % 2 == 0 ? 1.0 : -1.0) * kDisplaced * target.diagonal_mm();
+      motions[k] = geometry::rigidInverse(refine(target, moving.subset(half), displaced(target, best, d, by_mm),
+                                                 2.0 * limit_mm, noise_mm, 20, Feet::exact));
     }
   });
   double squares = 0.0;
@@ -243,6 +272,16 @@ double coverageOf(const TargetSurface &target, const MovingPoints &moving, const
   return covered / static_cast<double>(target.samples().points.size());
 }
 
+/// Of the nearer half of the points, which outliers do not change.
+double rmsOfNearerHalf(const MovingPoints &moving, const Mat4 &m, const TargetSurface &target) {
+  std::vector<double> distances = distancesOf(target, moving, m, target.diagonal_mm(), Feet::exact);
+  std::sort(distances.begin(), distances.end());
+  const std::size_t half = (distances.size() + 1) / 2;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < half; ++i) squares += distances[i] * distances[i];
+  return std::sqrt(squares / static_cast<double>(half));
+}
+
 MovingPoints mirrored(MovingPoints points) {
   for (Vec3 &p : points.points) p[0] = -p[0];
   for (Vec3 &n : points.normals) n[0] = -n[0];
@@ -263,7 +302,7 @@ class Registration {
   void addCandidates(const std::vector<Fitted> &fits, const Search &search);
   void judgeDetermination(const Search &search);
   void judgeResidual(const Search &search);
-  [[nodiscard]] Expected<void> judgeMirrored(const std::vector<Fitted> &fits, const Search &search);
+  [[nodiscard]] Expected<void> judgeMirrored(const Search &search);
   void warn(std::string sentence) { out_.warnings.push_back(std::move(sentence)); }
   [[nodiscard]] bool isExplained(const Search &search) const {
     return search.deviation_mm() <= kExplained * options_.noise_mm;
@@ -311,7 +350,8 @@ void Registration::addCandidates(const std::vector<Fitted> &fits, const Search &
 void Registration::judgeDetermination(const Search &search) {
   const Determination d =
       determine(target_, input_.points, best_, search.limit_mm(), search.deviation_mm(), independent(search));
-  const double halves = errorBetweenHalves(target_, input_.points, best_, search.limit_mm(), options_.noise_mm, pool_);
+  const double halves =
+      errorBetweenHalves(target_, input_.points, best_, d, search.limit_mm(), options_.noise_mm, pool_);
   out_.motionError_mm = std::min(target_.diagonal_mm(), std::max(d.error_mm, halves));
   const double accepted = std::max(3.0 * options_.noise_mm, 0.05 * target_.diagonal_mm());
   if (std::max(d.largest_mm, halves) <= accepted) return;
@@ -352,7 +392,7 @@ void Registration::judgeResidual(const Search &search) {
                      100.0 * (1.0 - out_.after.inlierShare), out_.after.limit_mm));
 }
 
-Expected<void> Registration::judgeMirrored(const std::vector<Fitted> &fits, const Search &search) {
+Expected<void> Registration::judgeMirrored(const Search &search) {
   if (isExplained(search) && out_.after.inlierShare >= kFewestInliers) return {};
   Search other(target_, options_, kRefinedMirrored, pool_, progress_);
   const MovingPoints mirror = mirrored(input_.points);
@@ -360,12 +400,14 @@ Expected<void> Registration::judgeMirrored(const std::vector<Fitted> &fits, cons
   if (!found) return tl::unexpected(found.error());
   MovingPoints plain = input_.points;
   plain.pairs.clear();
-  // Both with the same limit, so that outliers count equally.
+  // Both with the same limit, so that outliers count equally; many of them hide a difference that the nearer half shows.
   const double limit = std::max(search.limit_mm(), other.limit_mm());
-  const double own = truncatedCost(target_, plain, fits.front().bodyFromMeasured, limit, Feet::exact);
-  const double its = truncatedCost(target_, mirror, found->front().bodyFromMeasured, limit, Feet::exact);
+  const double own = std::sqrt(truncatedCost(target_, plain, best_, limit, Feet::exact));
+  const double its = std::sqrt(truncatedCost(target_, mirror, found->front().bodyFromMeasured, limit, Feet::exact));
+  const double ownHalf = rmsOfNearerHalf(plain, best_, target_);
+  const double itsHalf = rmsOfNearerHalf(mirror, found->front().bodyFromMeasured, target_);
   constexpr double kMuchBetter = 0.5;
-  if (!(std::sqrt(its) < kMuchBetter * std::sqrt(own))) return {};
+  if (!(its < kMuchBetter * own || itsHalf < kMuchBetter * ownHalf)) return {};
   isRefused_ = true;
   warn(
       fmt::format("mirrored, the points fit the surface with {:.3g} mm instead of {:.3g} mm: one of their axes has "
@@ -376,8 +418,13 @@ Expected<void> Registration::judgeMirrored(const std::vector<Fitted> &fits, cons
 
 Expected<RigidRegistration> Registration::run(const std::vector<Vec3> &allPoints) {
   Search search(target_, options_, kRefined, pool_, progress_);
-  const auto fits = search.run(input_.points, input_.extent_mm, 0.05, 0.55);
+  auto fits = search.run(input_.points, input_.extent_mm, 0.05, 0.5);
   if (!fits) return tl::unexpected(fits.error());
+  const Determination weakest = determine(target_, input_.points, fits->front().bodyFromMeasured, search.limit_mm(),
+                                          search.deviation_mm(), static_cast<double>(input_.points.points.size()));
+  fits->front().bodyFromMeasured = bestNearby(target_, input_.points, fits->front().bodyFromMeasured, weakest,
+                                              search.limit_mm(), options_.noise_mm, pool_);
+  if (progress_ && !progress_(0.55, "estimating the error")) return cancelled();
   best_ = fits->front().bodyFromMeasured;
   out_.warnings = input_.warnings;
   out_.measuredFromBody = geometry::rigidInverse(best_);
@@ -389,7 +436,7 @@ Expected<RigidRegistration> Registration::run(const std::vector<Vec3> &allPoints
   judgeResidual(search);
   addCandidates(*fits, search);
   judgeDetermination(search);
-  if (auto good = judgeMirrored(*fits, search); !good) return tl::unexpected(good.error());
+  if (auto good = judgeMirrored(search); !good) return tl::unexpected(good.error());
   out_.verdict = isRefused_             ? RegistrationVerdict::refused
                  : isAmbiguous_         ? RegistrationVerdict::ambiguous
                  : !isExplained(search) ? RegistrationVerdict::unexplained
