@@ -10,6 +10,7 @@
 #include "program.h"
 
 namespace fs = std::filesystem;
+using namespace c3de;  // Vec3 is a std::array: its operators are not found by its type
 using nlohmann::json;
 
 namespace {
