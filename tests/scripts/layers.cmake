@@ -67,7 +67,7 @@ sensitivity;matching;rereferencing;analysis;accuracy"
   pointbased types=base body_shape=shape support_energy=body contact_settings=contact obstacle=contact integrators=stepping
   world_settings=stepping accuracy=accuracy)
 check_folders(framework/imaging/src "formats;dicom;reading;masks;surface;warp")
-check_folders(framework/session/src "base;files;tissues;loading;export;running"
+check_folders(framework/session/src "base;files;tissues;loading;export;matching;running"
   c3de/session simulator_identity=base preparation=tissues run_options=running)
 check_folders(framework/ui/src "logic;frame;panels;views;window")
 check_folders(plugins/pointbased/plugin/src "base;instruments;report;fields;simulator;view;tools;panels;entry")

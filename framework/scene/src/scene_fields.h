@@ -230,6 +230,7 @@ extern const SceneTable<SceneGrasp> kGraspTable;
 /// Tables in tables.
 extern const Fields<SceneImage> kImageFields;
 extern const Fields<SceneFixedRegions> kFixedRegionFields;
+extern const Fields<SceneMatch> kMatchFields;
 extern const Fields<imaging::MaskCleanUp> kMendFields;
 extern const Fields<SceneTissue> kTissueFields;
 extern const Fields<SceneBody> kBackgroundFields;

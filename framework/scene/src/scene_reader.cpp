@@ -9,10 +9,10 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kRootKeys{"format",     "title", "image",     "world",    "solver",
-                                         "view",       "body",  "fix",       "load",     "attachment",
-                                         "obstacle",   "probe", "simulator", "accuracy", "contact",
-                                         "probe_tool", "grasp", "landmark",  "distance", "angle"};
+const std::vector<std::string> kRootKeys{"format",    "title",    "image",   "world",      "solver",   "view",
+                                         "body",      "fix",      "load",    "attachment", "obstacle", "probe",
+                                         "simulator", "accuracy", "contact", "probe_tool", "grasp",    "landmark",
+                                         "distance",  "angle",    "match"};
 const std::vector<std::string> kAccuracyTargets{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM,
                                                 C3DE_PARAM_ID_BUDGET_MS};
 
@@ -61,6 +61,8 @@ bool SceneReader::readScene(const TomlValue &root) {
       if (!readSimulator(value)) return false;
     } else if (key == "image") {
       if (!readImage(value)) return false;
+    } else if (key == "match") {
+      if (!readMatch(value)) return false;
     } else if (key == "contact") {
       if (!readContact(value)) return false;
     } else if (key == "world" || key == "solver" || key == "view" || key == "accuracy") {
@@ -81,7 +83,7 @@ bool SceneReader::readScene(const TomlValue &root) {
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
   return checkBox() && checkAccuracyTarget() && checkBodyNames() && checkMeasurements() && attachBodies() &&
-         checkAttachments() && checkPairs();
+         checkAttachments() && checkPairs() && checkMatch();
 }
 
 bool SceneReader::readWorld(const std::string &prefix, const TomlValue &table) {

@@ -23,6 +23,7 @@ struct SceneTable;
 /// names, scene_reader_values.cpp reads values, scene_reader_supports.cpp regions and what acts there,
 /// scene_reader_images.cpp images, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp
 /// elastic layers, scene_reader_contact.cpp contact pairs, scene_reader_measurements.cpp landmarks,
+/// scene_reader_match.cpp what was measured,
 /// scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
@@ -62,6 +63,8 @@ class SceneReader {
   bool readNumber(const std::string &key, const std::string &accepted, const TomlValue &value, double &out);
   bool readName(const std::string &key, const TomlValue &value, std::string &out);
   bool readMesh(const std::string &key, const TomlValue &value, std::filesystem::path &out);
+  /// A file that exists. @param accepted  "a mesh file"
+  bool readFile(const std::string &key, const char *accepted, const TomlValue &value, std::filesystem::path &out);
   bool readSeries(const std::string &key, const TomlValue &value, std::string &out);
   bool readColour(const std::string &key, const TomlValue &value, Vec3 &out);  ///< sRGB, 0 … 1
   bool readMaterial(const std::string &key, const TomlValue &value, std::vector<SceneValue> &params);
@@ -102,6 +105,9 @@ class SceneReader {
   bool readSimulatorClass(const TomlValue &value);
   bool readContact(const TomlValue &table);
   bool readImage(const TomlValue &table);
+  bool readMatch(const TomlValue &table);
+  /// Once all bodies are known.
+  bool checkMatch();
   bool readTissue(const TomlValue &table, SceneTissue &out);
 
   bool readOptional(const TomlValue &value, std::vector<SceneValue> &params);
@@ -140,6 +146,7 @@ class SceneReader {
   bool overridePiece(const SceneBody &body, ScenePiece &piece, const std::string &key, const TomlValue &value);
   bool overrideSlides(SceneBody &body, const TomlValue &value);
   bool overridePart(SceneBody &body, const std::string &rest, const TomlValue &value);
+  bool overrideMatch(const std::string &key, const TomlValue &value);
   bool overrideContact(const std::string &path, const std::string &rest, const TomlValue &value);
   template <class Table>
   bool overrideElement(const SceneTable<Table> &table, const std::string &rest, const TomlValue &value);

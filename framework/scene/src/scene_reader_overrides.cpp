@@ -95,6 +95,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value, 
   if (first == "accuracy") return overrideAccuracyTarget(path, value);
   if (first == "body") return overrideBody(rest, value);
   if (first == "contact") return overrideContact(path, rest, value);
+  if (first == "match") return overrideMatch(rest, value);
   bool isSet = false;
   const bool isKnown = anyTable([&](const auto &table) {
     if (table.key != first) return false;
@@ -140,6 +141,7 @@ bool SceneReader::refusePath(const std::string &path) {
                             C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
                             C3DE_PARAM_ID_RIGID, C3DE_PARAM_ID_FREE, "velocity"});
   }
+  if (scene_.match) add("match", kMatchFields.keys());
   (void)anyTable([&](const auto &table) {
     if (table.key == kBodyTable.key) return false;
     std::vector<std::string> keys;

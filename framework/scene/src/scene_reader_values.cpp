@@ -28,20 +28,25 @@ bool isListOfTables(const TomlValue &value) {
 
 }  // namespace
 
-bool SceneReader::readMesh(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
+bool SceneReader::readFile(const std::string &key, const char *accepted, const TomlValue &value,
+                           std::filesystem::path &out) {
   std::string text;
   if (!read(key, value, text)) return false;
-  if (text.empty()) return refuse(value.line, "mesh is empty; accepted: a mesh file");
+  if (text.empty()) return refuse(value.line, key + " is empty; accepted: " + accepted);
   const std::filesystem::path path = namedFile(scene_.source.parent_path(), text);
   out = path.lexically_normal();
   if (!checksFiles_) return true;
   std::error_code code;
   if (!std::filesystem::exists(path, code))
     return refuse(value.line,
-                  "mesh '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
+                  key + " '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
   if (const std::string instead = describeNonFile(path); !instead.empty())
-    return refuse(value.line, "mesh '" + text + "' " + instead + "; accepted: a mesh file");
+    return refuse(value.line, key + " '" + text + "' " + instead + "; accepted: " + accepted);
   return true;
+}
+
+bool SceneReader::readMesh(const std::string &, const TomlValue &value, std::filesystem::path &out) {
+  return readFile("mesh", "a mesh file", value, out);
 }
 
 bool SceneReader::read(const std::string &key, const TomlValue &value, geometry::LengthUnit &out) {

@@ -81,6 +81,8 @@ TomlValue SceneWriter::writeScene(const SceneFile &scene) {
   }
   place_ = "[image]";
   if (scene.image) root.entries.push_back({"image", writeFields(kImageFields, *scene.image)});
+  place_ = "[match]";
+  if (scene.match) root.entries.push_back({"match", writeFields(kMatchFields, *scene.match)});
   place_ = "scene";
   writeWorld(scene.world, root);
   (void)anyTable([&](const auto &table) {

@@ -61,6 +61,10 @@ std::vector<std::filesystem::path *> filesOf(scene::SceneFile &scene) {
     add(scene.image->file);
     for (std::filesystem::path &labels : scene.image->labels) add(labels);
   }
+  if (scene.match)
+    for (std::filesystem::path *file :
+         {&scene.match->surface, &scene.match->points, &scene.match->labels.file, &scene.match->landmarks})
+      add(*file);
   return all;
 }
 

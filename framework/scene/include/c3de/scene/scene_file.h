@@ -333,6 +333,21 @@ struct SceneGrasp {
   [[nodiscard]] double closed_m() const { return givenClosed_m.value_or(0.5 * opening_m()); }
 };
 
+/// What was measured of a body in another state, and how the body is brought to it. One of surface, points and labels.
+struct SceneMatch {
+  std::string body;                          ///< name of a body of this scene
+  std::filesystem::path surface;             ///< a mesh: the whole surface or a part of it
+  std::filesystem::path points;              ///< a table, or fiducials of 3D Slicer
+  SceneVolume labels;                        ///< file, label and time point: the surface of the label
+  std::optional<geometry::LengthUnit> unit;  ///< of surface or points; none: that of the file, otherwise mm
+  std::filesystem::path landmarks;           ///< where landmarks of the scene were measured, LPS mm; may be empty
+  bool fitsLandmarks = false;                ///< false: they only judge the result
+  double landmarkWeight = 10.0;              ///< > 0: measured points that one fitted landmark counts as
+  bool isRigidFirst = true;                  ///< a rigid motion precedes everything else
+  double noise_mm = 1.0;                     ///< > 0: standard deviation of what was measured
+  int line = 0;
+};
+
 /// A scene as written. The structure is checked; the values under world, solver, view, material, sampling and friction
 /// are checked later against the simulator's declarations.
 struct SceneFile {
@@ -341,6 +356,7 @@ struct SceneFile {
   std::string simulatorClass;  ///< id of the simulator class; empty: the only one available
   int simulatorLine = 0;
   std::optional<SceneImage> image;
+  std::optional<SceneMatch> match;
   std::vector<SceneValue> world;  ///< ids such as "world.gravity", "world.box.min", "solver.dt"; each at most once
   std::vector<SceneBody> bodies;
   std::vector<SceneFix> fixes;  ///< of all bodies, in the order of the file, which is also their numbering in reports
@@ -401,6 +417,10 @@ struct SceneFile {
 [[nodiscard]] Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene,
                                                                       const std::vector<SceneValue> &values,
                                                                       const std::vector<ParameterDecl> &decls);
+
+/// Assigns the only body where none is named. Errors (without a location) state what is missing or contradicts, and what
+/// is accepted: not exactly one of surface, points and labels, keys without effect, an unknown body.
+[[nodiscard]] Expected<void> completeMatch(const SceneFile &scene, SceneMatch &match);
 
 /// Null: no value has this id and is true.
 [[nodiscard]] const SceneValue *trueOf(const std::vector<SceneValue> &values, std::string_view id);

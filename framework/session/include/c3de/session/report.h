@@ -46,6 +46,7 @@ struct RunFacts {
   std::vector<std::string> notices;   ///< from the simulator, for the user
   std::string verification;           ///< from the simulator, JSON; empty: not requested
   double firstStep_s = 0.0;           ///< the first step alone
+  std::string match;                  ///< matchJson(); empty: not a match
   /// From the start of the command, including plugins and scene file, to the end of the first step
   double toFirstStep_s = 0.0;
 };

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// `c3de match`: its options.
+#include <memory>
+#include <utility>
+
+#include "commands/command_line.h"
+#include "commands/commands.h"
+#include "commands/exit_code.h"
+#include "commands/match_scene.h"
+#include "commands/standard_streams.h"
+
+namespace c3de::app {
+namespace {
+
+int run(const MatchOptions &arguments, const CommandLine &line) {
+  MatchOptions options = arguments;
+  options.run.quiet = line.quiet;
+  options.run.session = line.sessionOptions();
+  options.run.meshUnit = line.unit;
+  StandardOutputFile output;
+  if (const auto taken = output.take({{"--report", &options.run.report}, {"--residuals", &options.residuals}}); !taken)
+    return reportError(taken.error());
+  const int exitCode = matchScene(options);
+  if (const auto printed = output.print(); !printed) return reportError(printed.error());
+  return exitCode;
+}
+
+CLI::Option *addPositive(CLI::App &app, const std::string &name, std::optional<double> &value, const std::string &unit,
+                         const std::string &help) {
+  return addParsed(app, name, value, help,
+                   [unit](const std::string &text) { return parseDecimal(text, 1e-6, 1e6, unit.c_str()); });
+}
+
+void declareMeasured(CLI::App &app, MatchOptions &options) {
+  app.add_option("--body", options.body, "The body that was measured; default: that of [match], or the only one")
+      ->type_name("NAME");
+  CLI::Option *surface = addFile(app, "--surface", options.surface, "FILE",
+                                 "What was measured: a surface or a part of it (stl, obj, ply, vtk, vtp, off, glTF)");
+  CLI::Option *points =
+      addFile(app, "--points", options.points, "FILE",
+              "What was measured: points on the surface, LPS mm: a table x,y,z, or fiducials of 3D Slicer");
+  CLI::Option *labels = addFile(app, "--labels", options.labels, "FILE",
+                                "What was measured: a label map of the other state (nii, nrrd, mha, DICOM)");
+  surface->excludes(points)->excludes(labels);
+  points->excludes(labels);
+  app.add_option("--label", options.label, "Number or name of the label of --labels")->type_name("LABEL");
+  app.add_option("--measured-unit", options.unit, "Unit of --surface or --points; default: that in the file, or mm")
+      ->type_name("UNIT");
+  addPositive(app, "--noise", options.noise_mm, "mm", "Standard deviation of what was measured, mm; default: 1")
+      ->type_name("MM");
+  addFiles(app, "--landmarks", options.run.landmarks, "FILE",
+           "Landmarks of the body at rest in addition to those of the scene: name,x_mm,y_mm,z_mm (LPS), .fcsv or "
+           ".mrk.json (repeatable)");
+  addFile(app, "--target-landmarks", options.landmarks, "FILE", "Where landmarks of the same names were measured");
+  app.add_option("--use", options.use, "Whether landmarks are fitted or only judge the result; default: judge")
+      ->check(CLI::IsMember({"fit", "judge"}))
+      ->type_name("USE");
+  addPositive(app, "--weight", options.weight, "points",
+              "Measured points that one fitted landmark counts as; default: 10")
+      ->type_name("N");
+}
+
+Handler declareMatch(CLI::App &app, CommandLine &line) {
+  const auto options = std::make_shared<MatchOptions>();
+  app.add_option_function<std::string>(
+         "SCENE", [options](const std::string &text) { options->run.scene = text; },
+         "A scene (.toml), whose [match] the options replace, or a mesh as one body")
+      ->required();
+  declareMeasured(app, *options);
+  app.add_option("--set", options->run.overrides,
+                 "Replace a value of the scene, for example body.liver.sampling.spacing=0.01 (repeatable)")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false);
+  addFile(app, "--report", options->run.report, "FILE.json",
+          "Write the report as JSON, with `match`; - prints to standard output");
+  addFile(app, "--residuals", options->residuals, "FILE.csv",
+          "Write the distance of each measured point to the surface before and after the motion; - prints them");
+  addFile(app, "--export-surface", options->run.exportSurface, "FILE",
+          "Write the skin of the body after the motion (obj, stl, ply, vtp)");
+  addUnit(app, line);
+  addSessionOptions(app, line);
+  app.footer(
+      "Examples:\n"
+      "    c3de match SCENE.toml --report r.json                  # a scene with [match]\n"
+      "    c3de match SCENE.toml --points points.csv --noise 2\n"
+      "    c3de match SCENE.toml --labels followup.nii.gz --label 1 --target-landmarks targets.csv\n"
+      "The match is a rigid motion. Not for clinical use.");
+  return [options, &line] { return run(*options, line); };
+}
+
+}  // namespace
+
+const Command kMatchCommand{"match", "Bring a body to what was measured of it", declareMatch};
+
+}  // namespace c3de::app

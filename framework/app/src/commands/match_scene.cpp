@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/match_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "c3de/core/log.h"
+#include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/text.h"
+#include "c3de/session/body_sources.h"
+#include "c3de/session/body_states.h"
+#include "c3de/session/build_scene.h"
+#include "c3de/session/headless_run.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/session/progress_line.h"
+#include "c3de/session/rigid_match.h"
+#include "c3de/session/run_beginning.h"
+#include "c3de/session/saved_session.h"
+#include "c3de/session/simulator_access.h"
+#include "c3de/session/written_outputs.h"
+#include "commands/exit_code.h"
+#include "commands/last_crash.h"
+#include "commands/standard_output.h"
+
+namespace c3de::app {
+namespace {
+
+using scene::SceneMatch;
+
+Expected<void> setLabel(const std::string &text, SceneMatch &match) {
+  unsigned number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  match.labels.label.reset();
+  match.labels.labelName.clear();
+  if (error != std::errc() || end != text.data() + text.size()) {
+    match.labels.labelName = text;
+    return {};
+  }
+  if (number == 0 || number > 65535)
+    return fail(ErrorCode::usage, "--label is " + text + "; accepted: a number from 1 to 65535, or a name");
+  match.labels.label = static_cast<std::uint16_t>(number);
+  return {};
+}
+
+/// The options replace the keys of the scene; a source replaces any other.
+Expected<void> addOptions(const MatchOptions &options, SceneMatch &match) {
+  if (!options.body.empty()) match.body = options.body;
+  const bool isSource = !options.surface.empty() || !options.points.empty() || !options.labels.empty();
+  if (isSource) {
+    match.surface = options.surface;
+    match.points = options.points;
+    if (options.labels.empty()) match.labels = {};
+    match.labels.file = options.labels;
+    match.unit.reset();
+  }
+  if (!options.label.empty())
+    if (auto good = setLabel(options.label, match); !good) return good;
+  if (!options.unit.empty()) {
+    const auto unit = scene::parseLengthUnit(options.unit);
+    if (!unit) return fail(ErrorCode::usage, "--measured-unit: " + unit.error().message);
+    match.unit = *unit;
+  }
+  if (!options.landmarks.empty()) match.landmarks = options.landmarks;
+  if (options.noise_mm) match.noise_mm = *options.noise_mm;
+  if (!options.use.empty()) match.fitsLandmarks = options.use == "fit";
+  if (options.weight) match.landmarkWeight = *options.weight;
+  return {};
+}
+
+/// The match of the scene with the options. Errors begin with the location in the scene, where it is wrong alone.
+Expected<SceneMatch> matchOf(const MatchOptions &options, const scene::SceneFile &scene) {
+  SceneMatch match = scene.match.value_or(SceneMatch{});
+  if (auto good = addOptions(options, match); !good) return tl::unexpected(good.error());
+  if (const auto good = scene::completeMatch(scene, match); !good) {
+    const std::string hint =
+        scene.match ? "" : "; " + scene.where(1) + " has no [match], see --surface, --points, --labels";
+    return fail(ErrorCode::usage, good.error().message + hint);
+  }
+  const bool hasTargets = std::any_of(scene.landmarks.begin(), scene.landmarks.end(),
+                                      [](const scene::SceneLandmark &one) { return one.target_m.has_value(); });
+  if (match.landmarks.empty() && !hasTargets && (match.fitsLandmarks || options.weight))
+    return fail(ErrorCode::usage,
+                "--use and --weight are for landmarks, and none has a target; accepted: with "
+                "--landmarks, or targets in the scene");
+  if (options.weight && !match.fitsLandmarks)
+    return fail(ErrorCode::usage, "--weight is for landmarks that are fitted; accepted: with --use fit");
+  if (!match.isRigidFirst)
+    return fail(ErrorCode::input, scene.where(match.line) +
+                                      ": rigid_first is false, and this version matches by a rigid motion alone; "
+                                      "accepted: true");
+  return match;
+}
+
+/// Name of the body in the simulator: the rest of a cut body has the name of the body.
+std::string nameInSimulator(const scene::SceneFile &scene, const std::string &name) {
+  for (const scene::SceneBody &body : scene.bodies)
+    if (!body.volume.slides.empty() && scene::nameOfRest(body) == name) return body.name;
+  return name;
+}
+
+Expected<geometry::TriangleMesh> skinOf(Session &session, c3de_object *simulator, const std::string &body) {
+  auto states = readBodyStates(simulator, BodyParts::skin, [&session] { return session.plugins().takeError(); });
+  if (!states) return tl::unexpected(states.error());
+  for (BodyState &state : *states) {
+    if (state.name != body) continue;
+    if (!state.skin.triangles.empty()) return std::move(state.skin);
+    return fail(ErrorCode::plugin, "the simulator has no skin for body '" + body + "'");
+  }
+  return fail(ErrorCode::plugin, "the simulator has no body '" + body + "'");
+}
+
+std::vector<std::filesystem::path> outputsOf(const MatchOptions &options) {
+  return {options.run.report, options.run.exportSurface, options.residuals};
+}
+
+Expected<void> checkOutputFiles(const MatchOptions &options, const scene::SceneFile *scene, const SceneMatch *match) {
+  std::vector<std::filesystem::path> inputs;
+  if (scene != nullptr) {
+    scene::SceneFile named = *scene;
+    inputs = {options.run.scene};
+    for (const std::filesystem::path *file : filesOf(named)) inputs.push_back(*file);
+    inputs.insert(inputs.end(), {match->surface, match->points, match->labels.file, match->landmarks});
+  }
+  return checkOutputs(outputsOf(options), inputs);
+}
+
+struct Matched {
+  RigidMatch match;
+  std::vector<std::string> notices;
+};
+
+/// Writes what was requested. The failure of one file does not prevent the others.
+Expected<void> writeOutputs(const MatchOptions &options, Session &session, const geometry::TriangleMesh &skin,
+                            const MatchTargets &targets, const RigidMatch &match, const RunFacts &facts,
+                            const HeadlessRun &run, WrittenOutputs &outputs) {
+  if (!options.run.report.empty()) {
+    const auto simulatorJson = run.simulatorReport();
+    if (!simulatorJson) return tl::unexpected(simulatorJson.error());
+    const auto json = reportJson(facts, *simulatorJson);
+    if (!json) return tl::unexpected(json.error());
+    outputs.note(options.run.report, writeWholeFile(options.run.report, *json));
+  }
+  if (!options.residuals.empty())
+    outputs.note(options.residuals, writeWholeFile(options.residuals, residualTable(targets, match)));
+  if (!options.run.exportSurface.empty()) {
+    geometry::TriangleMesh moved = skin;
+    for (Vec3 &v : moved.vertices) v = transformPoint(match.rigid.measuredFromBody, v);
+    outputs.note(options.run.exportSurface, session.meshFormats().write(options.run.exportSurface, moved, {}));
+  }
+  return {};
+}
+
+std::string failureOf(const RigidMatch &match) {
+  std::string text = match.rigid.verdict == registration::RegistrationVerdict::refused
+                         ? "no rigid motion is credible"
+                         : "the rigid motion is ambiguous";
+  for (const std::string &warning : match.rigid.warnings) text += "; " + warning;
+  return text;
+}
+
+Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOutputs &outputs) {
+  ProgressLine line(options.run.quiet);
+  const ProgressFn progress = [&line](double fraction, const std::string &what) {
+    line.update(fraction, what);
+    return !wasInterrupted();
+  };
+  const auto beginning = readBeginning(options.run, session, progress);
+  if (!beginning) return tl::unexpected(beginning.error());
+  if (beginning->saved || beginning->replay)
+    return fail(ErrorCode::usage, pathText(options.run.scene) + ": is no scene; accepted: a scene (.toml) or a mesh");
+  const SharedScene scene = std::get<SharedScene>(beginning->source.front());
+  const auto wanted = matchOf(options, *scene);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (const auto good = checkOutputFiles(options, scene.get(), &*wanted); !good) return tl::unexpected(good.error());
+  if (!options.run.exportSurface.empty())
+    if (const auto good = session.meshFormats().checkWritable(options.run.exportSurface); !good)
+      return tl::unexpected(good.error());
+
+  BodySources sources;
+  const auto targets = readMatchTargets(*wanted, session.meshFormats(), sources, progress);
+  if (!targets) return tl::unexpected(targets.error());
+  std::vector<std::filesystem::path> targetFiles;
+  if (!wanted->landmarks.empty()) targetFiles.push_back(wanted->landmarks);
+  const auto landmarks = landmarksOf(*scene, options.run.landmarks, targetFiles);
+  if (!landmarks) return tl::unexpected(landmarks.error());
+  const auto chosen = session.chooseSimulator(scene->simulatorClass);
+  if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
+  auto created = session.createSimulator(chosen->classId);
+  if (!created) return tl::unexpected(created.error());
+  const ObjectRef simulator(*created);
+  const auto table = simulatorTable(simulator.get());
+  if (!table) return tl::unexpected(table.error());
+  Prepared prepared;
+  if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
+    return tl::unexpected(built.error());
+  const auto skin = skinOf(session, simulator.get(), nameInSimulator(*scene, wanted->body));
+  if (!skin) return tl::unexpected(skin.error());
+  auto rigid = matchRigid(*skin, *targets, *landmarks, *wanted, &session.pool(), progress);
+  if (!rigid) return tl::unexpected(rigid.error());
+  line.finish();
+
+  // A run without a step has the facts of a report.
+  RunOptions still = options.run;
+  still.steps = 0;
+  still.report.clear();
+  still.exportSurface.clear();
+  HeadlessRun run(session, simulator.get(), *table, still, {}, outputs, beginning->source);
+  if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
+  RunFacts facts = run.facts();
+  facts.prepared = prepared;
+  facts.scene = scene->title;
+  facts.source = options.run.scene.string();
+  facts.simulator = *chosen;
+  facts.match = matchJson(*rigid);
+  if (!rigid->isUsable()) facts.outcome = "failed", facts.failure = failureOf(*rigid);
+  if (const auto good = writeOutputs(options, session, *skin, *targets, *rigid, facts, run, outputs); !good)
+    return tl::unexpected(good.error());
+  Matched out{std::move(*rigid), targets->notices};
+  out.notices.insert(out.notices.end(), prepared.notices.begin(), prepared.notices.end());
+  return out;
+}
+
+}  // namespace
+
+int matchScene(const MatchOptions &options) {
+  watchForInterrupt();
+  if (const auto good = checkOutputFiles(options, nullptr, nullptr); !good) return reportError(good.error());
+  const auto journal = beginJournal(options.run.session);
+  auto session = Session::create(options.run.session);
+  if (!session) return reportError(session.error());
+  WrittenOutputs outputs;
+  const auto matched = match(options, **session, outputs);
+  if (!matched) {
+    if (!outputs.areComplete()) reportError(outputs.error());
+    return reportError(matched.error());
+  }
+  const RigidMatch &result = matched->match;
+  if (!options.run.quiet) {
+    for (const std::string &text : matchLines(result)) printOut(text + "\n");
+    for (const std::string &warning : result.rigid.warnings) printOut("  warning: " + warning + "\n");
+    for (const std::string &notice : matched->notices) printOut("  note: " + notice + "\n");
+  }
+  ExitCode exitCode = kDone;
+  if (!result.isUsable())
+    exitCode = reportError(
+        {result.rigid.verdict == registration::RegistrationVerdict::refused ? ErrorCode::input : ErrorCode::state,
+         pathText(result.file) + ": " + failureOf(result)});
+  // A missing output takes precedence over other failures.
+  return outputs.areComplete() ? exitCode : reportError(outputs.error());
+}
+
+}  // namespace c3de::app

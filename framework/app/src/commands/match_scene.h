@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/session/run_options.h"
+
+namespace c3de::app {
+
+struct MatchOptions {
+  RunOptions run;  ///< session, scene, overrides, unit of a mesh, report, output of the skin, quiet
+  // Replace the keys of [match] of the same names:
+  std::string body, label, use, unit;
+  std::filesystem::path surface, points, labels, landmarks;
+  std::optional<double> noise_mm, weight;
+  std::filesystem::path residuals;  ///< empty: not requested
+};
+
+/// Brings a body of a scene to what was measured and prints the result. Returns the exit code: kFailed where the motion
+/// is ambiguous, kInput where none is credible; the outputs are written then as well.
+int matchScene(const MatchOptions &options);
+
+}  // namespace c3de::app

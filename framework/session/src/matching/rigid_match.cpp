@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/rigid_match.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "c3de/core/path_text.h"
+#include "c3de/core/text.h"
+#include "c3de/geometry/rigid_fit.h"
+#include "c3de/imaging/surface.h"
+#include "c3de/registration/surface_samples.h"
+#include "c3de/session/measured_points.h"
+
+namespace c3de::session {
+namespace {
+
+using MatchReport = nlohmann::ordered_json;
+using registration::RegistrationVerdict;
+
+constexpr const char *kNotClinical = "not for clinical use";
+
+void addSamples(const geometry::TriangleMesh &mesh, bool isClosed, registration::MeasuredSurface &out) {
+  registration::SurfaceSamples samples = registration::sampleSurface(mesh, kTargetSamples);
+  out.points_mm = std::move(samples.points);
+  out.normals = std::move(samples.normals);
+  out.areNormalsOriented = isClosed;
+}
+
+Error ofFile(const Error &error, const std::filesystem::path &file) {
+  const std::string name = pathText(file);
+  const ErrorCode code = error.code == ErrorCode::usage ? ErrorCode::input : error.code;
+  return {code,
+          error.message.find(name) == std::string::npos ? displayMessage(name + ": " + error.message) : error.message};
+}
+
+ErrorSummary summaryOfErrors(const std::vector<double> &errors_mm) {
+  ErrorSummary out;
+  const auto n = static_cast<double>(errors_mm.size());
+  for (const double error_mm : errors_mm) {
+    out.mean_mm += error_mm / n;
+    out.max_mm = std::max(out.max_mm, error_mm);
+  }
+  double squares = 0.0;
+  for (const double error_mm : errors_mm) squares += (error_mm - out.mean_mm) * (error_mm - out.mean_mm);
+  if (errors_mm.size() > 1) out.sd_mm = std::sqrt(squares / (n - 1.0));
+  return out;
+}
+
+void addLandmarks(const std::vector<Landmark> &landmarks, const scene::SceneMatch &match, RigidMatch &out) {
+  std::vector<double> before, after;
+  for (const Landmark &one : landmarks) {
+    if (!one.target_mm) continue;
+    out.landmarks.push_back({one.name, match.fitsLandmarks, one.reference_mm,
+                             transformPoint(out.rigid.measuredFromBody, one.reference_mm), *one.target_mm});
+    before.push_back(out.landmarks.back().errorBefore_mm());
+    after.push_back(out.landmarks.back().errorRigid_mm());
+  }
+  if (before.empty()) return;
+  out.before = summaryOfErrors(before);
+  out.after = summaryOfErrors(after);
+}
+
+double rmsOfInliersBefore(const registration::RigidRegistration &rigid) {
+  double squares = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < rigid.after.distance_mm.size(); ++i)
+    if (rigid.after.distance_mm[i] <= rigid.after.limit_mm)
+      squares += rigid.before.distance_mm[i] * rigid.before.distance_mm[i], count += 1.0;
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
+MatchReport rowsOf(const Mat4 &m) {
+  MatchReport rows = MatchReport::array();
+  for (std::size_t r = 0; r < 4; ++r) rows.push_back(MatchReport{m[r], m[4 + r], m[8 + r], m[12 + r]});
+  return rows;
+}
+
+MatchReport jsonOfErrors(const ErrorSummary &of) {
+  return MatchReport{
+      {"mean", of.mean_mm}, {"sd", of.sd_mm ? MatchReport(*of.sd_mm) : MatchReport()}, {"max", of.max_mm}};
+}
+
+std::string textOfErrors(const ErrorSummary &of) {
+  return fmt::format("{:.3g}{} mm, at most {:.3g}", of.mean_mm, of.sd_mm ? fmt::format(" ± {:.3g}", *of.sd_mm) : "",
+                     of.max_mm);
+}
+
+}  // namespace
+
+Expected<MatchTargets> readMatchTargets(const scene::SceneMatch &match, const geometry::MeshFormats &formats,
+                                        BodySources &sources, const ProgressFn &progress) {
+  MatchTargets out;
+  if (!match.points.empty()) {
+    out.file = match.points;
+    auto read = readMeasuredPoints(match.points, match.unit);
+    if (!read) return tl::unexpected(read.error());
+    out.surface.points_mm = std::move(read->points_mm);
+    out.surface.normals = std::move(read->normals);
+    return out;
+  }
+  if (!match.surface.empty()) {
+    out.file = match.surface;
+    const auto loaded = formats.load(match.surface, match.unit, progress);
+    if (!loaded) return tl::unexpected(ofFile(loaded.error(), out.file));
+    out.notices = loaded->report.warnings;
+    addSamples(loaded->mesh, loaded->report.closed, out.surface);
+    return out;
+  }
+  out.file = match.labels.file;
+  Preparation took;
+  const auto picked = sources.pick(match.labels, progress, took);
+  if (!picked) return tl::unexpected(ofFile(picked.error(), out.file));
+  const auto surface = imaging::surfaceOf(picked->mask, {}, progress);
+  if (!surface) return tl::unexpected(ofFile(surface.error(), out.file));
+  addSamples(*surface, true, out.surface);
+  return out;
+}
+
+Expected<RigidMatch> matchRigid(const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                                const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
+                                ThreadPool *pool, const ProgressFn &progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  registration::MeasuredSurface measured = targets.surface;
+  if (match.fitsLandmarks)
+    for (const Landmark &one : landmarks)
+      if (one.target_mm) measured.pairs.push_back({one.reference_mm, *one.target_mm});
+  registration::RegistrationOptions options;
+  options.noise_mm = match.noise_mm;
+  options.pointsPerPair = match.landmarkWeight;
+  auto rigid = registration::registerRigid(skin, measured, options, pool, progress);
+  if (!rigid) return tl::unexpected(ofFile(rigid.error(), targets.file));
+  RigidMatch out;
+  out.body = match.body;
+  out.file = targets.file;
+  out.noise_mm = match.noise_mm;
+  out.points = measured.points_mm.size();
+  out.rigid = std::move(*rigid);
+  out.rmsBefore_mm = rmsOfInliersBefore(out.rigid);
+  addLandmarks(landmarks, match, out);
+  out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return out;
+}
+
+std::string matchJson(const RigidMatch &match) {
+  const registration::RigidRegistration &rigid = match.rigid;
+  const geometry::RigidPose pose = geometry::poseOf(rigid.measuredFromBody, {});
+  MatchReport json{{"stage", "rigid"},
+                   {"notice", kNotClinical},
+                   {"body", match.body},
+                   {"measured", pathText(match.file)},
+                   {"points", match.points},
+                   {"noise_mm", match.noise_mm},
+                   {"wall_s", match.wall_s},
+                   {"verdict", nameOf(rigid.verdict)},
+                   {"converged", match.isUsable()},
+                   {"surface_rms_mm", {{"before", match.rmsBefore_mm}, {"rigid", rigid.after.rms_mm}}},
+                   {"surface_p95_mm", {{"before", rigid.before.p95_mm}, {"rigid", rigid.after.p95_mm}}},
+                   {"inlier_share", rigid.after.inlierShare},
+                   {"inlier_limit_mm", rigid.after.limit_mm},
+                   {"coverage", rigid.coverage},
+                   {"motion_error_mm", rigid.motionError_mm},
+                   {"motion",
+                    {{"matrix", rowsOf(rigid.measuredFromBody)},
+                     {"translation_mm", pose.translation_mm},
+                     {"rotation_deg", pose.rotation_deg}}}};
+  json["candidates"] = MatchReport::array();
+  for (const registration::RegistrationCandidate &one : rigid.candidates)
+    json["candidates"].push_back(MatchReport{
+        {"matrix", rowsOf(one.measuredFromBody)}, {"surface_rms_mm", one.rms_mm}, {"inlier_share", one.inlierShare}});
+  if (match.before && match.after)
+    json["landmark_error_mm"] =
+        MatchReport{{"before", jsonOfErrors(*match.before)}, {"rigid", jsonOfErrors(*match.after)}};
+  json["landmarks"] = MatchReport::array();
+  for (const MatchedLandmark &one : match.landmarks)
+    json["landmarks"].push_back(
+        MatchReport{{"name", one.name},
+                    {"use", one.isFitted ? "fit" : "judge"},
+                    {"reference_mm", one.reference_mm},
+                    {"rigid_mm", one.rigid_mm},
+                    {"target_mm", one.target_mm},
+                    {"error_mm", {{"before", one.errorBefore_mm()}, {"rigid", one.errorRigid_mm()}}}});
+  json["warnings"] = rigid.warnings;
+  return json.dump(-1, ' ', false, MatchReport::error_handler_t::replace);
+}
+
+std::vector<std::string> matchLines(const RigidMatch &match) {
+  const registration::RigidRegistration &rigid = match.rigid;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("{}: rigid motion {}, {} points in {:.3g} s; {}", match.body, nameOf(rigid.verdict),
+                              match.points, match.wall_s, kNotClinical));
+  lines.push_back(fmt::format(
+      "surface: rms {:.3g} mm before, {:.3g} mm after the rigid motion; {:.0f} % of the points within {:.3g} mm",
+      match.rmsBefore_mm, rigid.after.rms_mm, 100.0 * rigid.after.inlierShare, rigid.after.limit_mm));
+  const geometry::RigidPose pose = geometry::poseOf(rigid.measuredFromBody, {});
+  lines.push_back(
+      fmt::format("motion: rotation ({:.4g}, {:.4g}, {:.4g}) degrees about x, y, z, then translation "
+                  "({:.4g}, {:.4g}, {:.4g}) mm; expected error {:.2g} mm",
+                  pose.rotation_deg[0], pose.rotation_deg[1], pose.rotation_deg[2], pose.translation_mm[0],
+                  pose.translation_mm[1], pose.translation_mm[2], rigid.motionError_mm));
+  lines.push_back(fmt::format("coverage: points were measured near {:.0f} % of the surface", 100.0 * rigid.coverage));
+  if (match.before && match.after)
+    lines.push_back(fmt::format("landmarks ({}, {}): {} before, {} after the rigid motion", match.landmarks.size(),
+                                match.landmarks.front().isFitted ? "fitted" : "not fitted", textOfErrors(*match.before),
+                                textOfErrors(*match.after)));
+  if (rigid.candidates.size() > 1)
+    for (std::size_t i = 0; i < rigid.candidates.size(); ++i) {
+      const geometry::RigidPose one = geometry::poseOf(rigid.candidates[i].measuredFromBody, {});
+      lines.push_back(
+          fmt::format("candidate {}: rms {:.3g} mm, rotation ({:.4g}, {:.4g}, {:.4g}) degrees, translation ({:.4g}, "
+                      "{:.4g}, {:.4g}) "
+                      "mm",
+                      i + 1, rigid.candidates[i].rms_mm, one.rotation_deg[0], one.rotation_deg[1], one.rotation_deg[2],
+                      one.translation_mm[0], one.translation_mm[1], one.translation_mm[2]));
+    }
+  return lines;
+}
+
+std::string residualTable(const MatchTargets &targets, const RigidMatch &match) {
+  std::string text = "x_mm,y_mm,z_mm,before_mm,rigid_mm,inlier\n";
+  const registration::RigidRegistration &rigid = match.rigid;
+  for (std::size_t i = 0; i < targets.surface.points_mm.size(); ++i) {
+    const Vec3 &p = targets.surface.points_mm[i];
+    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", p[0], p[1], p[2], rigid.before.distance_mm[i],
+                        rigid.after.distance_mm[i], rigid.after.distance_mm[i] <= rigid.after.limit_mm ? 1 : 0);
+  }
+  return text;
+}
+
+}  // namespace c3de::session
