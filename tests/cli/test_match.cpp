@@ -37,7 +37,7 @@ struct Answer {
 };
 
 Answer matched(const std::string &name, const std::string &scene, std::vector<std::string> options) {
-  const fs::path report = freshFolder("match_" + name) / "report.json";
+  const fs::path report = freshFolder("match_report_" + name) / "report.json";
   std::vector<std::string> arguments{"match", scene, "--report", report.string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
   Answer out{runC3de(arguments), {}};
@@ -93,8 +93,9 @@ TEST_CASE("A body is brought to measured points, and the report fits the schema"
   CHECK_THAT(match["inlier_share"].get<double>(), WithinAbs(0.92, 0.05));
   CHECK_THAT(match["coverage"].get<double>(), WithinAbs(0.33, 0.1));
   const c3de::Mat4 motion = motionIn(match), truth = organMotion();
+  // Corners of the box around the organ, of which a third was measured: the rotation is known to some degrees.
   for (const c3de::Vec3 &corner : {c3de::Vec3{-68, 110, -76}, c3de::Vec3{136, 210, 58}, c3de::Vec3{28, 160, 0}})
-    CHECK(norm(transformPoint(motion, corner) - transformPoint(truth, corner)) < 6.0);
+    CHECK(norm(transformPoint(motion, corner) - transformPoint(truth, corner)) < 9.0);
   // Landmarks judge: they are errors of the motion, from those 200 mm away.
   CHECK(match["landmark_error_mm"]["before"]["mean"].get<double>() > 100.0);
   CHECK(match["landmark_error_mm"]["rigid"]["max"].get<double>() < 6.0);
@@ -146,7 +147,7 @@ TEST_CASE("A scene says what was measured, and options replace it") {
   CHECK_THAT(refused("points = \"points.csv\"\nbody = \"organs\"\n"), Contains("did you mean 'organ'"));
   CHECK_THAT(refused("points = \"points.csv\"\nlabel = 1\n"), Contains("'label' and no 'labels'"));
   CHECK_THAT(refused("points = \"points.csv\"\nuse = \"fit\"\n"), Contains("no 'landmarks'"));
-  CHECK_THAT(refused("points = \"points.csv\"\nrigid_first = false\n"), Contains("rigid_first is false"));
+  CHECK_THAT(refused("points = \"points.csv\"\nrigid_first = false\ndeform = false\n"), Contains("nothing is found"));
 }
 
 TEST_CASE("Hostile points are refused with file, line and value") {
@@ -187,6 +188,75 @@ TEST_CASE("Points that fit in several ways are ambiguous, with candidates") {
   CHECK_THAT(out.result.output, Contains("candidate 2"));
 }
 
+TEST_CASE("A bent beam is matched to a part of its surface, and continues from there") {
+  const fs::path folder = freshFolder("match_bent");
+  writeFile(
+      folder / "beam.obj",
+      "v 0 0 0\nv 200 0 0\nv 200 40 0\nv 0 40 0\nv 0 0 40\nv 200 0 40\nv 200 40 40\nv 0 40 40\n"
+      "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 4 8 7\nf 4 7 3\nf 1 5 8\nf 1 8 4\nf 2 3 7\nf 2 7 6\n");
+  const auto beam = [](const std::string &modulus) {
+    return "format = 1\n[world]\ngravity = [0, 0, 0]\n[solver]\nintegrator = \"quasistatic\"\n"
+           "[[body]]\nname = \"beam\"\nmesh = \"beam.obj\"\nmesh_unit = \"mm\"\n"
+           "material = { law = \"neo_hookean\", youngs_modulus = " +
+           modulus +
+           ", poisson_ratio = 0.4, density = 1000.0 }\nsampling = { spacing = 0.01 }\n"
+           "[[fix]]\nregion = { box = { min = [-1, -1, -1], max = [0.0001, 1, 1] } }\n"
+           "[[landmark]]\nname = \"middle\"\nat = [0.1, 0.02, 0.02]\n"
+           "[[landmark]]\nname = \"tip\"\nat = [0.19, 0.02, 0.02]\n";
+  };
+  writeFile(
+      folder / "bent.toml",
+      beam("1e4") + "[[load]]\nregion = { box = { min = [0.1999, -1, -1], max = [1, 1, 1] } }\nforce = [0, 0, -0.1]\n");
+  const fs::path truth = folder / "truth.json", skin = folder / "bent.stl";
+  REQUIRE(
+      runC3de({"run", (folder / "bent.toml").string(), "--report", truth.string(), "--export-surface", skin.string()})
+          .exitCode == 0);
+  std::string targets = "name,x_mm,y_mm,z_mm\n";
+  const json bent = readJson(truth);
+  for (const json &one : bent["landmarks"]) {
+    targets += one["name"].get<std::string>();
+    for (std::size_t a = 0; a < 3; ++a) targets += "," + std::to_string(one["position_mm"][a].get<double>());
+    targets += "\n";
+  }
+  writeFile(folder / "targets.csv", targets);
+  // Twice as stiff as the beam that was measured; the position is given.
+  writeFile(folder / "match.toml", beam("2e4") +
+                                       "[match]\nsurface = \"bent.stl\"\nlandmarks = \"targets.csv\"\n"
+                                       "rigid_first = false\nnoise_mm = 0.5\n");
+  const fs::path session = folder / "matched.c3de";
+  const Answer out = matched("bent", (folder / "match.toml").string(),
+                             {"--save-session", session.string(), "--residuals", (folder / "r.csv").string()});
+  INFO(out.result.errorOutput << out.result.output);
+  REQUIRE(out.result.exitCode == 0);
+  const json schema = readJson(resource("schemas/report.schema.json"));
+  for (const std::string &departure : departuresFrom(schema, out.report)) FAIL_CHECK(departure);
+  const json &match = out.report["match"];
+  CHECK(match["stage"] == "elastic");
+  CHECK(match["verdict"] == "given");
+  const double before = match["landmark_error_mm"]["before"]["mean"],
+               after = match["landmark_error_mm"]["after"]["mean"];
+  INFO("landmarks " << before << " mm before, " << after << " mm after");
+  CHECK(before > 5.0);
+  // The surface is seen from all sides; its points are exact, the landmarks inside follow.
+  CHECK(after < 0.06 * before);
+  CHECK(match["surface_rms_mm"]["after"].get<double>() < 0.5);
+  CHECK(match["forces"][0]["sum_N"].get<double>() > 0.05);
+  // Rigid alone, with the same scene, finds no better position.
+  const Answer rigid = matched("bent_rigid", (folder / "match.toml").string(),
+                               {"--set", "match.rigid_first=true", "--rigid", "--noise", "5"});
+  INFO(rigid.result.errorOutput);
+  CHECK(rigid.report["match"]["stage"] == "rigid");
+  CHECK(rigid.report["match"]["landmark_error_mm"]["rigid"]["mean"].get<double>() > after);
+
+  const fs::path later = folder / "later.json";
+  REQUIRE(runC3de({"run", session.string(), "--steps", "20", "--report", later.string()}).exitCode == 0);
+  const json end = readJson(later), start = readJson(truth);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t a = 0; a < 3; ++a)
+      CHECK_THAT(end["landmarks"][i]["position_mm"][a].get<double>(),
+                 WithinAbs(start["landmarks"][i]["position_mm"][a].get<double>(), 0.2 * before));
+}
+
 TEST_CASE("The lung: masks of two breathing states, and the landmark error after the rigid motion") {
   C3DE_DATA_OR_SKIP(data, "match/lung");
   const fs::path folder = freshFolder("match_lung");
@@ -221,4 +291,5 @@ TEST_CASE("The lung: masks of two breathing states, and the landmark error after
   CHECK_THAT(error["before"]["mean"].get<double>(), WithinAbs(34.0, 2.0));
   // Measured: 6.5 mm from the masks alone. The best rigid motion of the landmarks themselves leaves about 4 mm.
   CHECK(error["rigid"]["mean"].get<double>() < 8.0);
+  if (error.contains("after")) CHECK(error["after"]["mean"].get<double>() < 8.0);
 }

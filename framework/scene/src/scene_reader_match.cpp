@@ -49,6 +49,7 @@ const Fields<SceneMatch> kMatchFields{
       NumberReader{
           .accepted = "a number above 0: measured points that one landmark counts as", .low = 0.0, .isAbove = true}},
      {"rigid_first", &SceneMatch::isRigidFirst},
+     {"deform", &SceneMatch::deforms},
      {"noise_mm", &SceneMatch::noise_mm, above0("mm")}}};
 
 bool SceneReader::readMatch(const TomlValue &table) {
@@ -102,6 +103,9 @@ Expected<void> completeMatch(const SceneFile &scene, SceneMatch &match) {
     return refused(std::string("[match] has 'label' and no 'labels'; accepted: ") + kSources);
   if (isOfLabels && match.unit)
     return refused("[match] has 'unit', and images state theirs; accepted: with 'surface' or 'points'");
+  if (!match.isRigidFirst && !match.deforms)
+    return refused(
+        "[match] has rigid_first = false and deform = false, so nothing is found; accepted: one of them true");
   const std::vector<std::string> names = referableNames(scene);
   if (match.body.empty() && names.size() == 1) match.body = names.front();
   if (match.body.empty())

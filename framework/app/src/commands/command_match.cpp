@@ -39,20 +39,22 @@ void declareMeasured(CLI::App &app, MatchOptions &options) {
   CLI::Option *points =
       addFile(app, "--points", options.points, "FILE",
               "What was measured: points on the surface, LPS mm: a table x,y,z, or fiducials of 3D Slicer");
-  CLI::Option *labels = addFile(app, "--labels", options.labels, "FILE",
-                                "What was measured: a label map of the other state (nii, nrrd, mha, DICOM)");
+  CLI::Option *labels =
+      addFile(app, "--labels", options.labels, "FILE",
+              "What was measured: a label map of the body in the other position (nii, nrrd, mha, DICOM)");
   surface->excludes(points)->excludes(labels);
   points->excludes(labels);
   app.add_option("--label", options.label, "Number or name of the label of --labels")->type_name("LABEL");
   app.add_option("--measured-unit", options.unit, "Unit of --surface or --points; default: that in the file, or mm")
       ->type_name("UNIT");
-  addPositive(app, "--noise", options.noise_mm, "mm", "Standard deviation of what was measured, mm; default: 1")
+  app.add_flag("--rigid", options.isRigid, "Find the rigid motion only; default: the body deforms as well");
+  addPositive(app, "--noise", options.noise_mm, "mm", "Standard deviation of the measurement noise, mm; default: 1")
       ->type_name("MM");
   addFiles(app, "--landmarks", options.run.landmarks, "FILE",
            "Landmarks of the body at rest in addition to those of the scene: name,x_mm,y_mm,z_mm (LPS), .fcsv or "
            ".mrk.json (repeatable)");
   addFile(app, "--target-landmarks", options.landmarks, "FILE", "Where landmarks of the same names were measured");
-  app.add_option("--use", options.use, "Whether landmarks are fitted or only judge the result; default: judge")
+  app.add_option("--use", options.use, "Whether landmarks are fitted or only evaluate the result; default: judge")
       ->check(CLI::IsMember({"fit", "judge"}))
       ->type_name("USE");
   addPositive(app, "--weight", options.weight, "points",
@@ -60,11 +62,23 @@ void declareMeasured(CLI::App &app, MatchOptions &options) {
       ->type_name("N");
 }
 
+void declareMatchedState(CLI::App &app, MatchOptions &options) {
+  RunOptions &run = options.run;
+  addFile(app, "--export-image", run.exportImage.image, "FILE",
+          "Write the scene's image as the tissue is deformed, without the rigid motion (nrrd, nii, nii.gz, mha)");
+  addFile(app, "--export-labels", run.exportImage.labels, "FILE", "Write the deformed label map");
+  addFile(app, "--export-displacement", run.exportImage.displacement, "FILE",
+          "Write the displacement of the tissue at the voxels of the image, mm");
+  addFile(app, "--save-state", run.saveState, "FILE", "Write the matched state, for `c3de run --from-state`");
+  addFile(app, "--save-session", run.saveSession, "FILE.c3de",
+          "Write scene and matched state; the window and `c3de run FILE.c3de` continue from it");
+}
+
 Handler declareMatch(CLI::App &app, CommandLine &line) {
   const auto options = std::make_shared<MatchOptions>();
   app.add_option_function<std::string>(
          "SCENE", [options](const std::string &text) { options->run.scene = text; },
-         "A scene (.toml), whose [match] the options replace, or a mesh as one body")
+         "A scene (.toml) or a mesh as one body; options replace keys of its [match]")
       ->required();
   declareMeasured(app, *options);
   app.add_option("--set", options->run.overrides,
@@ -74,9 +88,11 @@ Handler declareMatch(CLI::App &app, CommandLine &line) {
   addFile(app, "--report", options->run.report, "FILE.json",
           "Write the report as JSON, with `match`; - prints to standard output");
   addFile(app, "--residuals", options->residuals, "FILE.csv",
-          "Write the distance of each measured point to the surface before and after the motion; - prints them");
+          "Write the distance of each measured point to the surface: before, after the rigid motion and after the "
+          "deformation; - prints them");
   addFile(app, "--export-surface", options->run.exportSurface, "FILE",
-          "Write the skin of the body after the motion (obj, stl, ply, vtp)");
+          "Write the skin of the matched body where it was measured (obj, stl, ply, vtp)");
+  declareMatchedState(app, *options);
   addUnit(app, line);
   addSessionOptions(app, line);
   app.footer(
@@ -84,12 +100,12 @@ Handler declareMatch(CLI::App &app, CommandLine &line) {
       "    c3de match SCENE.toml --report r.json                  # a scene with [match]\n"
       "    c3de match SCENE.toml --points points.csv --noise 2\n"
       "    c3de match SCENE.toml --labels followup.nii.gz --label 1 --target-landmarks targets.csv\n"
-      "The match is a rigid motion. Not for clinical use.");
+      "Not for clinical use.");
   return [options, &line] { return run(*options, line); };
 }
 
 }  // namespace
 
-const Command kMatchCommand{"match", "Bring a body to what was measured of it", declareMatch};
+const Command kMatchCommand{"match", "Register a body to measured points, a surface or a label", declareMatch};
 
 }  // namespace c3de::app

@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
+#include "c3de/session/body_match.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/body_states.h"
 #include "c3de/session/build_scene.h"
+#include "c3de/session/change_log.h"
+#include "c3de/session/export_image.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
@@ -23,6 +27,7 @@
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
+#include "commands/run_exports.h"
 #include "commands/standard_output.h"
 
 namespace c3de::app {
@@ -67,6 +72,7 @@ Expected<void> addOptions(const MatchOptions &options, SceneMatch &match) {
   if (options.noise_mm) match.noise_mm = *options.noise_mm;
   if (!options.use.empty()) match.fitsLandmarks = options.use == "fit";
   if (options.weight) match.landmarkWeight = *options.weight;
+  if (options.isRigid) match.deforms = false;
   return {};
 }
 
@@ -83,14 +89,10 @@ Expected<SceneMatch> matchOf(const MatchOptions &options, const scene::SceneFile
                                       [](const scene::SceneLandmark &one) { return one.target_m.has_value(); });
   if (match.landmarks.empty() && !hasTargets && (match.fitsLandmarks || options.weight))
     return fail(ErrorCode::usage,
-                "--use and --weight are for landmarks, and none has a target; accepted: with "
-                "--landmarks, or targets in the scene");
+                "--use and --weight are for landmarks with a measured position, and there are none; accepted: with "
+                "--target-landmarks, or targets in the scene");
   if (options.weight && !match.fitsLandmarks)
     return fail(ErrorCode::usage, "--weight is for landmarks that are fitted; accepted: with --use fit");
-  if (!match.isRigidFirst)
-    return fail(ErrorCode::input, scene.where(match.line) +
-                                      ": rigid_first is false, and this version matches by a rigid motion alone; "
-                                      "accepted: true");
   return match;
 }
 
@@ -113,7 +115,9 @@ Expected<geometry::TriangleMesh> skinOf(Session &session, c3de_object *simulator
 }
 
 std::vector<std::filesystem::path> outputsOf(const MatchOptions &options) {
-  return {options.run.report, options.run.exportSurface, options.residuals};
+  const ImageExport &image = options.run.exportImage;
+  return {options.run.report, options.run.exportSurface, options.residuals,     image.image,
+          image.labels,       image.displacement,        options.run.saveState, options.run.saveSession};
 }
 
 Expected<void> checkOutputFiles(const MatchOptions &options, const scene::SceneFile *scene, const SceneMatch *match) {
@@ -127,14 +131,84 @@ Expected<void> checkOutputFiles(const MatchOptions &options, const scene::SceneF
   return checkOutputs(outputsOf(options), inputs);
 }
 
+/// Calls a function that adds probes and removes them again, so that these are no changes of the session.
+template <class Read>
+auto unrecorded(Session &session, const Read &read) {
+  const std::shared_ptr<ChangeLog> changes = session.changes();
+  std::optional<ChangeLog::Unrecorded> pause;
+  if (changes) pause.emplace(*changes);
+  return read();
+}
+
+/// Deforms the body at its rigid motion. Where that is not possible the rigid motion remains, with the reason.
+/// Errors: cancelled, and those of the landmarks.
+Expected<ElasticMatch> deform(const scene::SceneFile &scene, const SceneMatch &wanted, const MatchTargets &targets,
+                              const std::vector<Landmark> &landmarks, const RigidMatch &rigid, Session &session,
+                              c3de_object *simulator, const ProgressFn &progress) {
+  if (!wanted.deforms || !rigid.isUsable()) return ElasticMatch{};
+  const auto begin = std::chrono::steady_clock::now();
+  const auto takeError = [&session] { return session.plugins().takeError(); };
+  registration::MeasuredSurface measured = targets.surface;
+  std::vector<Landmark> targeted;
+  for (const Landmark &one : landmarks)
+    if (one.target_mm) targeted.push_back(one);
+  if (const auto found = unrecorded(session, [&] { return findBodies(simulator, scene, targeted, takeError); }); !found)
+    return tl::unexpected(found.error());
+  if (wanted.fitsLandmarks)
+    for (const Landmark &one : targeted) measured.pairs.push_back({one.reference_mm, *one.target_mm});
+  BodyMatchOptions how;
+  how.measuredFromBody = rigid.rigid.measuredFromBody;
+  how.isMotionKnown = rigid.isGiven;
+  how.noise_mm = wanted.noise_mm;
+  auto body = matchBody(simulator, nameInSimulator(scene, wanted.body), measured, how,
+                        session.plugins().ownerOf(simulator), takeError, progress);
+  ElasticMatch out;
+  out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!body) {
+    if (body.error().code == ErrorCode::cancelled) return tl::unexpected(body.error());
+    out.failure = body.error().message;
+    return out;
+  }
+  out.body = std::move(*body);
+  const auto now = unrecorded(session, [&] { return measure(simulator, scene, targeted, takeError); });
+  if (!now) return tl::unexpected(now.error());
+  std::vector<Vec3> at_mm;
+  for (const MeasuredLandmark &one : now->landmarks) at_mm.push_back(one.position_mm);
+  addLandmarks(rigid, std::move(at_mm), out);
+  return out;
+}
+
+/// The rigid motion of a body that deforms. Where the noise does not explain the residual, the size of the deformation
+/// does: the distance from which a point counts as an outlier grows until the motion is explained.
+Expected<RigidMatch> rigidMotion(const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                                 const std::vector<Landmark> &landmarks, const SceneMatch &wanted, ThreadPool *pool,
+                                 const ProgressFn &progress) {
+  if (!wanted.isRigidFirst) return matchInPlace(skin, targets, landmarks, wanted, pool);
+  auto rigid = matchRigid(skin, targets, landmarks, wanted, pool, progress);
+  if (!wanted.deforms) return rigid;
+  SceneMatch wider = wanted;
+  for (const double factor : {2.0, 5.0, 10.0}) {
+    if (!rigid || rigid->rigid.verdict != registration::RegistrationVerdict::unexplained) break;
+    wider.noise_mm = factor * wanted.noise_mm;
+    auto next = matchRigid(skin, targets, landmarks, wider, pool, progress);
+    if (!next || !next->isUsable()) break;
+    rigid = std::move(next);
+  }
+  return rigid;
+}
+
 struct Matched {
   RigidMatch match;
+  ElasticMatch elastic;
   std::vector<std::string> notices;
+  [[nodiscard]] const Mat4 &measuredFromBody() const {
+    return elastic.body ? elastic.body->measuredFromBody : match.rigid.measuredFromBody;
+  }
 };
 
 /// Writes what was requested. The failure of one file does not prevent the others.
 Expected<void> writeOutputs(const MatchOptions &options, Session &session, const geometry::TriangleMesh &skin,
-                            const MatchTargets &targets, const RigidMatch &match, const RunFacts &facts,
+                            const MatchTargets &targets, const Matched &matched, const RunFacts &facts,
                             const HeadlessRun &run, WrittenOutputs &outputs) {
   if (!options.run.report.empty()) {
     const auto simulatorJson = run.simulatorReport();
@@ -144,13 +218,24 @@ Expected<void> writeOutputs(const MatchOptions &options, Session &session, const
     outputs.note(options.run.report, writeWholeFile(options.run.report, *json));
   }
   if (!options.residuals.empty())
-    outputs.note(options.residuals, writeWholeFile(options.residuals, residualTable(targets, match)));
+    outputs.note(options.residuals,
+                 writeWholeFile(options.residuals, residualTable(targets, matched.match, matched.elastic)));
   if (!options.run.exportSurface.empty()) {
     geometry::TriangleMesh moved = skin;
-    for (Vec3 &v : moved.vertices) v = transformPoint(match.rigid.measuredFromBody, v);
+    for (Vec3 &v : moved.vertices) v = transformPoint(matched.measuredFromBody(), v);
     outputs.note(options.run.exportSurface, session.meshFormats().write(options.run.exportSurface, moved, {}));
   }
   return {};
+}
+
+/// Writes the matched state and the image that it deforms, where requested.
+Expected<void> writeState(const RunOptions &options, Session &session, const scene::SceneFile &scene,
+                          BodySources &sources, const Prepared &prepared, const c3de_simulator_v1 *table,
+                          c3de_object *simulator, const SimulatorIdentity &identity, const RunBeginning &beginning,
+                          WrittenOutputs &outputs) {
+  saveEnd(options, session, simulator, identity, beginning, outputs);
+  if (!options.exportImage.isWanted()) return {};
+  return writeImageExports(options, session, scene, sources, prepared, table, simulator, outputs);
 }
 
 std::string failureOf(const RigidMatch &match) {
@@ -179,6 +264,7 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
     if (const auto good = session.meshFormats().checkWritable(options.run.exportSurface); !good)
       return tl::unexpected(good.error());
 
+  if (const auto good = checkImageExport(options.run.exportImage, *scene); !good) return tl::unexpected(good.error());
   BodySources sources;
   const auto targets = readMatchTargets(*wanted, session.meshFormats(), sources, progress);
   if (!targets) return tl::unexpected(targets.error());
@@ -198,8 +284,9 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
     return tl::unexpected(built.error());
   const auto skin = skinOf(session, simulator.get(), nameInSimulator(*scene, wanted->body));
   if (!skin) return tl::unexpected(skin.error());
-  auto rigid = matchRigid(*skin, *targets, *landmarks, *wanted, &session.pool(), progress);
+  auto rigid = rigidMotion(*skin, *targets, *landmarks, *wanted, &session.pool(), progress);
   if (!rigid) return tl::unexpected(rigid.error());
+  Matched out{std::move(*rigid), {}, targets->notices};
   line.finish();
 
   // A run without a step has the facts of a report.
@@ -207,18 +294,33 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   still.steps = 0;
   still.report.clear();
   still.exportSurface.clear();
+  still.exportImage = {};
+  still.saveState.clear();
+  still.saveSession.clear();
   HeadlessRun run(session, simulator.get(), *table, still, {}, outputs, beginning->source);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
+  // The session has adopted the simulator and logs its changes now.
+  auto elastic = deform(*scene, *wanted, *targets, *landmarks, out.match, session, simulator.get(), progress);
+  if (!elastic) return tl::unexpected(elastic.error());
+  out.elastic = std::move(*elastic);
+  line.finish();
   RunFacts facts = run.facts();
+  if (const auto hash = stateHash(*table, simulator.get()); hash) facts.stateHash = *hash;
   facts.prepared = prepared;
   facts.scene = scene->title;
   facts.source = options.run.scene.string();
   facts.simulator = *chosen;
-  facts.match = matchJson(*rigid);
-  if (!rigid->isUsable()) facts.outcome = "failed", facts.failure = failureOf(*rigid);
-  if (const auto good = writeOutputs(options, session, *skin, *targets, *rigid, facts, run, outputs); !good)
+  facts.match = matchJson(out.match, out.elastic);
+  if (!out.match.isUsable()) facts.outcome = "failed", facts.failure = failureOf(out.match);
+  const auto present = skinOf(session, simulator.get(), nameInSimulator(*scene, wanted->body));
+  if (!present) return tl::unexpected(present.error());
+  if (const auto good = writeOutputs(options, session, *present, *targets, out, facts, run, outputs); !good)
     return tl::unexpected(good.error());
-  Matched out{std::move(*rigid), targets->notices};
+  if (out.match.isUsable())
+    if (const auto good = writeState(options.run, session, *scene, sources, prepared, *table, simulator.get(), *chosen,
+                                     *beginning, outputs);
+        !good)
+      return tl::unexpected(good.error());
   out.notices.insert(out.notices.end(), prepared.notices.begin(), prepared.notices.end());
   return out;
 }
@@ -239,7 +341,7 @@ int matchScene(const MatchOptions &options) {
   }
   const RigidMatch &result = matched->match;
   if (!options.run.quiet) {
-    for (const std::string &text : matchLines(result)) printOut(text + "\n");
+    for (const std::string &text : matchLines(result, matched->elastic)) printOut(text + "\n");
     for (const std::string &warning : result.rigid.warnings) printOut("  warning: " + warning + "\n");
     for (const std::string &notice : matched->notices) printOut("  note: " + notice + "\n");
   }

@@ -11,11 +11,13 @@
 namespace c3de::app {
 
 struct MatchOptions {
-  RunOptions run;  ///< session, scene, overrides, unit of a mesh, report, output of the skin, quiet
+  /// Session, scene, overrides, unit of a mesh, report, outputs of the matched state, quiet.
+  RunOptions run;
   // Replace the keys of [match] of the same names:
   std::string body, label, use, unit;
   std::filesystem::path surface, points, labels, landmarks;
   std::optional<double> noise_mm, weight;
+  bool isRigid = false;             ///< no deformation
   std::filesystem::path residuals;  ///< empty: not requested
 };
 

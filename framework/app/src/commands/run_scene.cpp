@@ -36,6 +36,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "commands/run_details.h"
+#include "commands/run_exports.h"
 #include "commands/run_landmarks.h"
 #include "commands/standard_output.h"
 #include "run_picture.h"
@@ -131,39 +132,6 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
   const auto json = reportJson(facts, *simulatorJson);
   if (!json) return tl::unexpected(json.error());
   return writeWholeFile(options.report, *json);
-}
-
-/// Exports of the scene's image, which has already been read.
-Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
-                                 BodySources &sources, const Prepared &prepared, const c3de_simulator_v1 *table,
-                                 c3de_object *simulator, WrittenOutputs &outputs) {
-  const auto image = imageOfScene(scene, sources);
-  if (!image) return tl::unexpected(image.error());
-  const auto how = imageWarpOf(scene, sources, session.materials(), prepared.tissues);
-  if (!how) return tl::unexpected(how.error());
-  const ImageExport &wanted = options.exportImage;
-  const auto u = presentDisplacement(table, simulator, **image, *how);
-  for (const auto &file : {wanted.image, wanted.displacement}) {
-    if (file.empty()) continue;
-    const ImageExport one = file == wanted.image ? ImageExport{file, {}, {}} : ImageExport{{}, file, {}};
-    const auto told = u ? writeImages(one, **image, isImageOfLabels(scene), *u, {}, &session.pool())
-                        : Expected<std::string>(tl::unexpected(u.error()));
-    if (told) log(LogLevel::info, *told);
-    const Expected<void> written = told ? Expected<void>() : Expected<void>(tl::unexpected(told.error()));
-    outputs.note(file, written);
-    if (file == wanted.displacement && told) outputs.note(emptiedFile(file), written);
-  }
-  if (wanted.labels.empty()) return {};
-  const auto layers = labelsToExport(scene, sources);
-  if (!layers) return tl::unexpected(layers.error());
-  std::vector<const imaging::LabelMap *> maps;
-  for (const imaging::LabelMap &layer : **layers) maps.push_back(&layer);
-  const auto told = u ? writeLabels(wanted.labels, maps, (*image)->geometry, *u, {}, &session.pool())
-                      : Expected<std::string>(tl::unexpected(u.error()));
-  if (told) log(LogLevel::info, *told);
-  for (const std::filesystem::path &file : labelFiles(wanted.labels, (*layers)->size()))
-    outputs.note(file, told ? Expected<void>() : Expected<void>(tl::unexpected(told.error())));
-  return {};
 }
 
 void writeSurfaceExport(const RunOptions &options, Session &session, c3de_object *simulator, WrittenOutputs &outputs) {
@@ -348,29 +316,6 @@ Expected<void> checkOverlay(const RunOptions &options, const c3de_simulator_v1 *
   return fail(ErrorCode::usage, "--overlay " + options.overlay->field + ": accepted: " + known);
 }
 
-/// @param beginning  the session that is continued, if there is one
-Expected<void> writeSession(const RunOptions &options, Session &session, c3de_object *simulator,
-                            const SimulatorIdentity &identity, const RunBeginning &beginning) {
-  const auto captured = captureState(session, simulator, identity, session.changes()->source());
-  if (!captured) return tl::unexpected(captured.error());
-  ProgressLine line(options.quiet);
-  const ProgressFn report = [&line](double fraction, const std::string &what) {
-    line.update(fraction, what);
-    return !wasInterrupted();
-  };
-  const std::filesystem::path folder = std::filesystem::absolute(options.saveSession).parent_path();
-  const Embedding embedding = options.embed ? Embedding::all : Embedding::extracted;
-  FileReferences references;
-  auto saved = sessionOf(*captured, folder, references, report, embedding);
-  if (!saved) return tl::unexpected(saved.error());
-  if (beginning.saved && !beginning.replay)
-    if (auto kept = keepRest(*beginning.saved, beginning.files, folder, references, embedding, *saved); !kept)
-      return kept;
-  auto written = session::writeSession(*saved, options.saveSession, report);
-  line.finish();
-  return written;
-}
-
 /// Makes the run record or repeat, where requested.
 Expected<void> prepareRecording(const RunOptions &options, Session &session, c3de_object *simulator,
                                 const SimulatorIdentity &identity, const SimulationSource &source, Replay *replay,
@@ -411,18 +356,6 @@ Expected<void> restoreState(const RunOptions &options, Session &session, c3de_ob
     if (auto gone = goToState(session, simulator, identity, *state, pathText(options.fromState)); !gone) return gone;
   }
   return saved != nullptr ? restoreSession(session, simulator, identity, *saved, options.scene) : Expected<void>();
-}
-
-/// Saves the end state, alone or as a session.
-void saveEnd(const RunOptions &options, Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
-             const RunBeginning &beginning, WrittenOutputs &outputs) {
-  if (!options.saveState.empty()) {
-    const auto state = stateBytes(session, simulator, identity);
-    outputs.note(options.saveState,
-                 state ? writeWholeFile(options.saveState, *state) : Expected<void>(tl::unexpected(state.error())));
-  }
-  if (!options.saveSession.empty())
-    outputs.note(options.saveSession, writeSession(options, session, simulator, identity, beginning));
 }
 
 struct Simulated {

@@ -82,9 +82,50 @@ MatchReport jsonOfErrors(const ErrorSummary &of) {
       {"mean", of.mean_mm}, {"sd", of.sd_mm ? MatchReport(*of.sd_mm) : MatchReport()}, {"max", of.max_mm}};
 }
 
+std::string deformationWarning(const ElasticMatch &elastic) { return "the body was not deformed: " + elastic.failure; }
+
+void addElastic(const RigidMatch &match, const ElasticMatch &elastic, MatchReport &json) {
+  if (!elastic.body) return;
+  const BodyMatch &body = *elastic.body;
+  json["converged"] = match.isUsable() && body.hasConverged;
+  json["iterations"] = body.iterations;
+  json["surface_rms_mm"]["after"] = body.after_mm;
+  json["forces"] = MatchReport::array({MatchReport{{"body", match.body}, {"sum_N", body.force_N}}});
+  json["elastic"] = MatchReport{{"wall_s", elastic.wall_s},
+                                {"used_part", body.usedPart},
+                                {"expected_error_mm", body.error_mm},
+                                {"largest_expected_error_mm", body.largestError_mm},
+                                {"unknown_part", body.unknownPart}};
+  if (!elastic.after) return;
+  json["landmark_error_mm"]["after"] = jsonOfErrors(*elastic.after);
+  for (std::size_t i = 0; i < elastic.landmarks_mm.size(); ++i) {
+    MatchReport &one = json["landmarks"][i];
+    one["after_mm"] = elastic.landmarks_mm[i];
+    one["error_mm"]["after"] = norm(elastic.landmarks_mm[i] - match.landmarks[i].target_mm);
+  }
+}
+
 std::string textOfErrors(const ErrorSummary &of) {
   return fmt::format("{:.3g}{} mm, at most {:.3g}", of.mean_mm, of.sd_mm ? fmt::format(" ± {:.3g}", *of.sd_mm) : "",
                      of.max_mm);
+}
+
+void addRigidLines(const RigidMatch &match, std::vector<std::string> &lines) {
+  const registration::RigidRegistration &rigid = match.rigid;
+  lines.push_back(fmt::format(
+      "surface: rms {:.3g} mm before, {:.3g} mm after the rigid motion; {:.0f} % of the points within {:.3g} mm",
+      match.rmsBefore_mm, rigid.after.rms_mm, 100.0 * rigid.after.inlierShare, rigid.after.limit_mm));
+  const geometry::RigidPose pose = geometry::poseOf(rigid.measuredFromBody, {});
+  lines.push_back(
+      fmt::format("motion: rotation ({:.4g}, {:.4g}, {:.4g}) degrees about x, y, z, then translation "
+                  "({:.4g}, {:.4g}, {:.4g}) mm; expected error {:.2g} mm",
+                  pose.rotation_deg[0], pose.rotation_deg[1], pose.rotation_deg[2], pose.translation_mm[0],
+                  pose.translation_mm[1], pose.translation_mm[2], rigid.motionError_mm));
+  lines.push_back(fmt::format("coverage: points were measured near {:.0f} % of the surface", 100.0 * rigid.coverage));
+  if (match.before && match.after)
+    lines.push_back(fmt::format("landmarks ({}, {}): {} before, {} after the rigid motion", match.landmarks.size(),
+                                match.landmarks.front().isFitted ? "fitted" : "not fitted", textOfErrors(*match.before),
+                                textOfErrors(*match.after)));
 }
 
 }  // namespace
@@ -143,28 +184,60 @@ Expected<RigidMatch> matchRigid(const geometry::TriangleMesh &skin, const MatchT
   return out;
 }
 
-std::string matchJson(const RigidMatch &match) {
+Expected<RigidMatch> matchInPlace(const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                                  const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
+                                  ThreadPool *pool) {
+  constexpr double kLimit = 3.0;  // standard deviations
+  auto residuals =
+      registration::residualsOf(skin, targets.surface.points_mm, kIdentity4, kLimit * match.noise_mm, pool);
+  if (!residuals) return tl::unexpected(ofFile(residuals.error(), targets.file));
+  RigidMatch out;
+  out.body = match.body;
+  out.file = targets.file;
+  out.noise_mm = match.noise_mm;
+  out.isGiven = true;
+  out.points = targets.surface.points_mm.size();
+  out.rigid.verdict = RegistrationVerdict::found;
+  out.rigid.before = out.rigid.after = std::move(*residuals);
+  out.rigid.candidates = {{kIdentity4, out.rigid.after.rms_mm, out.rigid.after.inlierShare}};
+  out.rmsBefore_mm = out.rigid.after.rms_mm;
+  addLandmarks(landmarks, match, out);
+  return out;
+}
+
+void addLandmarks(const RigidMatch &match, std::vector<Vec3> at_mm, ElasticMatch &out) {
+  if (!out.body || at_mm.empty() || at_mm.size() != match.landmarks.size()) return;
+  std::vector<double> errors_mm;
+  for (std::size_t i = 0; i < at_mm.size(); ++i) {
+    at_mm[i] = transformPoint(out.body->measuredFromBody, at_mm[i]);
+    errors_mm.push_back(norm(at_mm[i] - match.landmarks[i].target_mm));
+  }
+  out.landmarks_mm = std::move(at_mm);
+  out.after = summaryOfErrors(errors_mm);
+}
+
+std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic) {
   const registration::RigidRegistration &rigid = match.rigid;
-  const geometry::RigidPose pose = geometry::poseOf(rigid.measuredFromBody, {});
-  MatchReport json{{"stage", "rigid"},
-                   {"notice", kNotClinical},
-                   {"body", match.body},
-                   {"measured", pathText(match.file)},
-                   {"points", match.points},
-                   {"noise_mm", match.noise_mm},
-                   {"wall_s", match.wall_s},
-                   {"verdict", nameOf(rigid.verdict)},
-                   {"converged", match.isUsable()},
-                   {"surface_rms_mm", {{"before", match.rmsBefore_mm}, {"rigid", rigid.after.rms_mm}}},
-                   {"surface_p95_mm", {{"before", rigid.before.p95_mm}, {"rigid", rigid.after.p95_mm}}},
-                   {"inlier_share", rigid.after.inlierShare},
-                   {"inlier_limit_mm", rigid.after.limit_mm},
-                   {"coverage", rigid.coverage},
-                   {"motion_error_mm", rigid.motionError_mm},
-                   {"motion",
-                    {{"matrix", rowsOf(rigid.measuredFromBody)},
-                     {"translation_mm", pose.translation_mm},
-                     {"rotation_deg", pose.rotation_deg}}}};
+  const Mat4 &motion = elastic.body ? elastic.body->measuredFromBody : rigid.measuredFromBody;
+  const geometry::RigidPose pose = geometry::poseOf(motion, {});
+  MatchReport json{
+      {"stage", elastic.body ? "elastic" : "rigid"},
+      {"notice", kNotClinical},
+      {"body", match.body},
+      {"measured", pathText(match.file)},
+      {"points", match.points},
+      {"noise_mm", match.noise_mm},
+      {"wall_s", match.wall_s},
+      {"verdict", match.isGiven ? "given" : nameOf(rigid.verdict)},
+      {"converged", match.isUsable()},
+      {"surface_rms_mm", {{"before", match.rmsBefore_mm}, {"rigid", rigid.after.rms_mm}}},
+      {"surface_p95_mm", {{"before", rigid.before.p95_mm}, {"rigid", rigid.after.p95_mm}}},
+      {"inlier_share", rigid.after.inlierShare},
+      {"inlier_limit_mm", rigid.after.limit_mm},
+      {"coverage", rigid.coverage},
+      {"motion_error_mm", rigid.motionError_mm},
+      {"motion",
+       {{"matrix", rowsOf(motion)}, {"translation_mm", pose.translation_mm}, {"rotation_deg", pose.rotation_deg}}}};
   json["candidates"] = MatchReport::array();
   for (const registration::RegistrationCandidate &one : rigid.candidates)
     json["candidates"].push_back(MatchReport{
@@ -181,29 +254,44 @@ std::string matchJson(const RigidMatch &match) {
                     {"rigid_mm", one.rigid_mm},
                     {"target_mm", one.target_mm},
                     {"error_mm", {{"before", one.errorBefore_mm()}, {"rigid", one.errorRigid_mm()}}}});
-  json["warnings"] = rigid.warnings;
+  std::vector<std::string> warnings = rigid.warnings;
+  addElastic(match, elastic, json);
+  if (!elastic.failure.empty()) warnings.push_back(deformationWarning(elastic));
+  json["warnings"] = warnings;
   return json.dump(-1, ' ', false, MatchReport::error_handler_t::replace);
 }
 
-std::vector<std::string> matchLines(const RigidMatch &match) {
+std::vector<std::string> matchLines(const RigidMatch &match, const ElasticMatch &elastic) {
   const registration::RigidRegistration &rigid = match.rigid;
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("{}: rigid motion {}, {} points in {:.3g} s; {}", match.body, nameOf(rigid.verdict),
-                              match.points, match.wall_s, kNotClinical));
-  lines.push_back(fmt::format(
-      "surface: rms {:.3g} mm before, {:.3g} mm after the rigid motion; {:.0f} % of the points within {:.3g} mm",
-      match.rmsBefore_mm, rigid.after.rms_mm, 100.0 * rigid.after.inlierShare, rigid.after.limit_mm));
-  const geometry::RigidPose pose = geometry::poseOf(rigid.measuredFromBody, {});
-  lines.push_back(
-      fmt::format("motion: rotation ({:.4g}, {:.4g}, {:.4g}) degrees about x, y, z, then translation "
-                  "({:.4g}, {:.4g}, {:.4g}) mm; expected error {:.2g} mm",
-                  pose.rotation_deg[0], pose.rotation_deg[1], pose.rotation_deg[2], pose.translation_mm[0],
-                  pose.translation_mm[1], pose.translation_mm[2], rigid.motionError_mm));
-  lines.push_back(fmt::format("coverage: points were measured near {:.0f} % of the surface", 100.0 * rigid.coverage));
-  if (match.before && match.after)
-    lines.push_back(fmt::format("landmarks ({}, {}): {} before, {} after the rigid motion", match.landmarks.size(),
-                                match.landmarks.front().isFitted ? "fitted" : "not fitted", textOfErrors(*match.before),
-                                textOfErrors(*match.after)));
+  lines.push_back(match.isGiven
+                      ? fmt::format("{}: position given, {} points; {}", match.body, match.points, kNotClinical)
+                      : fmt::format("{}: rigid motion {}, {} points in {:.3g} s; {}", match.body, nameOf(rigid.verdict),
+                                    match.points, match.wall_s, kNotClinical));
+  if (match.isGiven) {
+    lines.push_back(fmt::format("surface: rms {:.3g} mm; {:.0f} % of the points within {:.3g} mm", match.rmsBefore_mm,
+                                100.0 * rigid.after.inlierShare, rigid.after.limit_mm));
+    if (match.before)
+      lines.push_back(fmt::format("landmarks ({}, {}): {} at rest", match.landmarks.size(),
+                                  match.landmarks.front().isFitted ? "fitted" : "not fitted",
+                                  textOfErrors(*match.before)));
+  } else {
+    addRigidLines(match, lines);
+  }
+  if (elastic.body) {
+    const BodyMatch &body = *elastic.body;
+    lines.push_back(
+        fmt::format("deformed: rms {:.3g} mm after {} iterations in {:.3g} s{}; {:.0f} % of the points used; sum "
+                    "of force magnitudes {:.3g} N",
+                    body.after_mm, body.iterations, elastic.wall_s, body.hasConverged ? "" : ", not converged",
+                    100.0 * body.usedPart, body.force_N));
+    lines.push_back(
+        fmt::format("expected error of the deformation: {:.2g} mm, at most {:.2g}; {:.0f} % of the "
+                    "body is hardly determined",
+                    body.error_mm, body.largestError_mm, 100.0 * body.unknownPart));
+    if (elastic.after) lines.push_back("landmarks: " + textOfErrors(*elastic.after) + " after the deformation");
+  }
+  if (!elastic.failure.empty()) lines.push_back("warning: " + deformationWarning(elastic));
   if (rigid.candidates.size() > 1)
     for (std::size_t i = 0; i < rigid.candidates.size(); ++i) {
       const geometry::RigidPose one = geometry::poseOf(rigid.candidates[i].measuredFromBody, {});
@@ -217,13 +305,17 @@ std::vector<std::string> matchLines(const RigidMatch &match) {
   return lines;
 }
 
-std::string residualTable(const MatchTargets &targets, const RigidMatch &match) {
-  std::string text = "x_mm,y_mm,z_mm,before_mm,rigid_mm,inlier\n";
+std::string residualTable(const MatchTargets &targets, const RigidMatch &match, const ElasticMatch &elastic) {
+  std::string text = "x_mm,y_mm,z_mm,before_mm,rigid_mm,inlier,after_mm\n";
   const registration::RigidRegistration &rigid = match.rigid;
   for (std::size_t i = 0; i < targets.surface.points_mm.size(); ++i) {
     const Vec3 &p = targets.surface.points_mm[i];
-    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", p[0], p[1], p[2], rigid.before.distance_mm[i],
-                        rigid.after.distance_mm[i], rigid.after.distance_mm[i] <= rigid.after.limit_mm ? 1 : 0);
+    // Empty: there is no deformation, or no part of the surface faces the point.
+    const auto after_mm =
+        elastic.body && i < elastic.body->distance_mm.size() ? elastic.body->distance_mm[i] : std::nullopt;
+    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{}\n", p[0], p[1], p[2], rigid.before.distance_mm[i],
+                        rigid.after.distance_mm[i], rigid.after.distance_mm[i] <= rigid.after.limit_mm ? 1 : 0,
+                        after_mm ? fmt::format("{:.6g}", *after_mm) : std::string());
   }
   return text;
 }

@@ -72,8 +72,8 @@ struct RigidRegistration {
   std::vector<std::string> warnings;  ///< sentences with values
 };
 
-/// The rigid motion that brings the surface of a body to points measured on it. No initial position is needed: several
-/// hundred thousand motions (anchors on both surfaces, uniform rotations) are rated with a truncated distance, the best
+/// The rigid motion that brings the surface of a body to points measured on it. No initial position is needed: some
+/// 220 000 motions (anchors on both surfaces, uniform rotations) are rated with a truncated distance, the best
 /// are refined by point-to-plane iterations with decreasing weights for far points (iterative closest points: Besl and
 /// McKay 1992, Chen and Medioni 1992; reweighted with Tukey's function). A reflection is never the result. The result
 /// is the same for any number of threads.

@@ -343,7 +343,8 @@ struct SceneMatch {
   std::filesystem::path landmarks;           ///< where landmarks of the scene were measured, LPS mm; may be empty
   bool fitsLandmarks = false;                ///< false: they only judge the result
   double landmarkWeight = 10.0;              ///< > 0: measured points that one fitted landmark counts as
-  bool isRigidFirst = true;                  ///< a rigid motion precedes everything else
+  bool isRigidFirst = true;                  ///< false: what was measured is where the body is, apart from deformation
+  bool deforms = true;                       ///< false: the rigid motion only
   double noise_mm = 1.0;                     ///< > 0: standard deviation of what was measured
   int line = 0;
 };

@@ -11,6 +11,7 @@
 #include "c3de/geometry/mesh_formats.h"
 #include "c3de/registration/rigid_registration.h"
 #include "c3de/scene/scene_file.h"
+#include "c3de/session/body_match.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/measurements.h"
 
@@ -45,6 +46,7 @@ struct RigidMatch {
   std::string body;
   std::filesystem::path file;
   double noise_mm = 0.0;
+  bool isGiven = false;  ///< the motion is the identity, by the scene
   std::size_t points = 0;
   registration::RigidRegistration rigid;
   double rmsBefore_mm = 0.0;  ///< of the points that are inliers after the motion, with the body at rest
@@ -66,11 +68,30 @@ struct RigidMatch {
                                               const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
                                               ThreadPool *pool, const ProgressFn &progress);
 
+/// The body where it is at rest, as a match without a rigid motion. Errors as of matchRigid().
+[[nodiscard]] Expected<RigidMatch> matchInPlace(const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                                                const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
+                                                ThreadPool *pool);
+
+/// The body after its deformation, at the rigid motion.
+struct ElasticMatch {
+  std::optional<BodyMatch> body;      ///< none: not requested, or `failure`
+  std::string failure;                ///< why there is none; the rigid motion remains valid
+  std::vector<Vec3> landmarks_mm;     ///< of RigidMatch::landmarks, in their order, where they were measured
+  std::optional<ErrorSummary> after;  ///< of all landmarks; none: there are none
+  double wall_s = 0.0;
+};
+
+/// Where landmarks of the simulation are after the rigid motion, and their errors.
+/// @param at_mm  present positions of the landmarks with a target, in the order of RigidMatch::landmarks
+void addLandmarks(const RigidMatch &match, std::vector<Vec3> at_mm, ElasticMatch &out);
+
 /// `match` of a report.
-[[nodiscard]] std::string matchJson(const RigidMatch &match);
+[[nodiscard]] std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic);
 /// For people: a line each.
-[[nodiscard]] std::vector<std::string> matchLines(const RigidMatch &match);
-/// A table of the measured points with their distances before and after the motion, CSV.
-[[nodiscard]] std::string residualTable(const MatchTargets &targets, const RigidMatch &match);
+[[nodiscard]] std::vector<std::string> matchLines(const RigidMatch &match, const ElasticMatch &elastic);
+/// A table of the measured points with their distances before, after the motion, and after the deformation, CSV.
+[[nodiscard]] std::string residualTable(const MatchTargets &targets, const RigidMatch &match,
+                                        const ElasticMatch &elastic);
 
 }  // namespace c3de::session

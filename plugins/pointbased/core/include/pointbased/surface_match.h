@@ -47,7 +47,7 @@ struct SurfaceMatchSettings {
   bool isMotionKnown = false;      ///< `start` is exact and remains
   double largestAngle_deg = 75.0;  ///< 0 … 180: between the normals of a point and of the skin near it
   int maxIterations = 40;          ///< >= 1
-  /// Whether expectedErrors and isUnknown are found, at some forty solves with the tangent.
+  /// Whether expectedErrors and isUnknown are found, at 84 linear solves with the tangent, 90 with an unknown motion.
   bool findsExpectedErrors = true;
   const StopRequest *stop = nullptr;
   /// Called in each iteration on the calling thread; false: cancelled.
@@ -60,7 +60,7 @@ struct SurfaceMatchResult {
   std::vector<Vec3> forces;            ///< [phyxels] N, found; with them the displacements are an equilibrium
   std::vector<Vec3> closest;           ///< [points] m, on the moved skin, in the space of the measurement
   std::vector<double> distances;       ///< [points] m, to the moved skin; infinite: no part of the skin faces it
-  std::vector<double> weights;         ///< [points] 0 … 1: 0 counts as false
+  std::vector<double> weights;         ///< [points] 0 … 1: 0: an outlier
   std::vector<double> landmarkErrors;  ///< [landmarks] m
   double distanceAtStart = 0.0, distanceRigid = 0.0, distance = 0.0;  ///< m, root mean square by robust weights
   /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage and
@@ -87,8 +87,8 @@ struct SurfaceMatchResult {
 /// at which hardly anything deforms until the distances are those of the noise. The size of Young's modulus cancels in
 /// τ.
 ///
-/// Limitation: a motion that is not known is first that of a rigid body, and keeps what it has taken up of the
-/// deformation. Give the motion where it is known, from a tracked frame or from bone.
+/// Limitation: an unknown motion is first fitted as rigid and keeps the part of the deformation that it represents. If a
+/// tracked frame or bone determines the motion, pass it.
 ///
 /// The body keeps its fixes and loads; materials respond without flow and relaxation. Not for clinical use.
 /// @threads one at a time; bitwise identical for any number behind parallelFor
@@ -108,7 +108,7 @@ class SurfaceMatch {
 
   /// Starts from the displacements and the τ of the previous match, if there was one (frames of a sequence).
   /// Errors: a position, normal or setting that is not finite or out of range, with its index and value; fewer than
-  /// three points and landmarks; no point that faces the skin; no equilibrium; "cancelled".
+  /// three points and landmarks together; no point that faces the skin; no equilibrium; "cancelled".
   [[nodiscard]] Result<SurfaceMatchResult> match(std::span<const MatchPoint> points,
                                                  std::span<const MatchLandmark> landmarks,
                                                  const SurfaceMatchSettings &settings);

@@ -351,6 +351,20 @@ struct SetSurfaceCondition {
   void apply(SimulatorParts &parts, ChangeAccess access);
 };
 
+/// Puts a body into an equilibrium that was found for it, with the forces that hold it there. They act until a reset.
+struct SetMatchedState {
+  static constexpr std::string_view kId = "match.set";
+  static constexpr std::uint32_t kFlags = kTransient;
+  ObjectName body;
+  std::vector<Vec3> displacements = {}, forces = {};  ///< [phyxels] m, N
+  template <class Coder>
+  void walk(Coder &coder) {
+    coder(body, displacements, forces);
+  }
+  [[nodiscard]] std::string text() const { return "match " + textOf(body); }
+  void apply(SimulatorParts &parts, ChangeAccess access) const;
+};
+
 /// Stores the present state under a number, for exchange: undo of an interaction.
 struct StoreCheckpoint {
   static constexpr std::string_view kId = "checkpoint.store";
@@ -402,6 +416,6 @@ using AnyChange =
     std::variant<SetWorldParameters, SetBodyParameter, RebuildBody, LoadBody, AddObstacle, RestoreObstacle,
                  MoveObstacle, RemoveObject, ClearWorld, PlaceInstrument, MoveInstrument, RemoveInstrument, BeginGrasp,
                  MoveGrasp, ReleaseGrasp, BeginPinch, MovePinch, ReleasePinch, AddLoad, BeginHold, PullHold,
-                 SetSurfaceCondition, StoreCheckpoint, ExchangeCheckpoint, DropCheckpoint, StoreState>;
+                 SetSurfaceCondition, SetMatchedState, StoreCheckpoint, ExchangeCheckpoint, DropCheckpoint, StoreState>;
 
 }  // namespace pointbased

@@ -196,6 +196,21 @@ void SetSurfaceCondition::apply(SimulatorParts &parts, ChangeAccess access) {
   parts.conditions.set(access, number, condition);
 }
 
+void SetMatchedState::apply(SimulatorParts &parts, ChangeAccess access) const {
+  const std::uint64_t id = movableBody(parts, body);
+  Simulator &simulator = parts.world.simulator;
+  Body &matched = *simulator.body(id);
+  const std::size_t n = matched.rest().phyxelCount();
+  require(displacements.size() == n && forces.size() == n, "a matched state has another number of phyxels");
+  for (std::size_t i = 0; i < n; ++i) requireFinite("a matched state", displacements[i], forces[i]);
+  matched.state().displacements = displacements;
+  matched.state().velocities.assign(n, Vec3::Zero());
+  matched.invalidatePointValues();
+  matched.forcesCurrent = false;
+  parts.forces.setMatched(access, id, forces);
+  simulator.stepper().wake(id);
+}
+
 void StoreState::apply(SimulatorParts &parts, ChangeAccess access) { bytes = parts.savedState.bytes(access); }
 
 void StoreCheckpoint::apply(SimulatorParts &parts, ChangeAccess access) { parts.checkpoints.store(access, number); }

@@ -109,9 +109,15 @@ void ExternalForces::apply(const SurfaceConditions &conditions) {
 void ExternalForces::addLoads(std::uint64_t id, const SurfaceConditions &conditions, std::vector<Vec3> &forces) const {
   const Body &body = *simulator_.body(id);
   if (body.isStatic()) return;
+  const std::size_t n = body.rest().phyxelCount();
+  // A renewed reference has the same phyxels; a body that was filled again has others.
+  if (const auto matched = matched_.find(id); matched != matched_.end() && matched->second.size() == n) {
+    forces.resize(n, Vec3::Zero());
+    for (std::size_t i = 0; i < n; ++i) forces[i] += matched->second[i];
+  }
   for (const auto &[number, live] : loads_) {
     if (live.body != id) continue;
-    forces.resize(body.rest().phyxelCount(), Vec3::Zero());
+    forces.resize(n, Vec3::Zero());
     const double since_s = simulator_.time() - live.startTime_s;
     const double s = live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
     addLoadForces(live.load, live.part, s, body.state().displacements, forces);
@@ -161,7 +167,20 @@ std::vector<ExternalForces::RuntimeLoad> ExternalForces::prepare(const std::vect
   return all;
 }
 
-void ExternalForces::restore(std::vector<RuntimeLoad> loads) {
+void ExternalForces::setMatched(ChangeAccess, std::uint64_t body, std::vector<Vec3> forces) {
+  matched_[body] = std::move(forces);
+}
+
+std::vector<SavedMatch> ExternalForces::savedMatches() const {
+  std::vector<SavedMatch> all;
+  for (const auto &[id, forces] : matched_)
+    if (const BodyRecord *body = table_.body(id)) all.push_back({body->identity(), forces});
+  return all;
+}
+
+void ExternalForces::restore(std::vector<RuntimeLoad> loads, const std::vector<SavedMatch> &matches) {
+  matched_.clear();
+  for (const SavedMatch &one : matches) matched_[table_.bodyNamed(one.body)] = one.forces;
   std::map<std::uint64_t, std::uint64_t> ids;  // by number: a plugin keeps the handle of its load
   for (const auto &[id, load] : loads_) ids.emplace(load.number, id);
   loads_.clear();
@@ -179,6 +198,7 @@ void ExternalForces::invalidateMasses(std::uint64_t body) {
 
 void ExternalForces::removeLoadsOf(ChangeAccess, std::uint64_t body) {
   std::erase_if(loads_, [&](const auto &entry) { return entry.second.body == body; });
+  matched_.erase(body);
 }
 
 }  // namespace pointbased

@@ -41,12 +41,18 @@ class ExternalForces {
   void invalidateMasses(std::uint64_t body);
   void removeLoad(ChangeAccess, std::uint64_t id) { loads_.erase(id); }
   void removeLoadsOf(ChangeAccess access, std::uint64_t body);
-  void removeLoads() { loads_.clear(); }
+  void removeLoads() {
+    loads_.clear();
+    matched_.clear();
+  }
+  /// Forces that hold a body in a matched state, until removeLoads(). @param forces  [phyxels] N
+  void setMatched(ChangeAccess, std::uint64_t body, std::vector<Vec3> forces);
   [[nodiscard]] std::vector<SavedLoad> saved() const;
+  [[nodiscard]] std::vector<SavedMatch> savedMatches() const;
   /// Loads of a state to be loaded, for restore(). Throws sdk::Error; nothing has changed then.
   [[nodiscard]] std::vector<RuntimeLoad> prepare(const std::vector<SavedLoad> &saved) const;
   /// Replaces all loads.
-  void restore(std::vector<RuntimeLoad> loads);
+  void restore(std::vector<RuntimeLoad> loads, const std::vector<SavedMatch> &matches);
 
  private:
   /// For bodies on which external forces act in the next step. Copies, because another thread may replace the body
@@ -67,6 +73,7 @@ class ExternalForces {
   BodyTable &table_ = world_.table;
   std::map<std::uint64_t, SharedPoints> sharedPoints_;
   std::map<std::uint64_t, RuntimeLoad> loads_;
+  std::map<std::uint64_t, std::vector<Vec3>> matched_;  // by body
   std::uint64_t lastNumber_ = 0;
   int repetitions_ = 0;  // of the last increment, since the loads or supports changed
 };

@@ -94,17 +94,29 @@ struct SavedCondition {
   }
 };
 
+/// Forces that hold a body in a matched state.
+struct SavedMatch {
+  ObjectName body;
+  std::vector<Vec3> forces;  ///< [phyxels] N
+  template <class Coder>
+  void walk(Coder &coder) {
+    coder(body, forces);
+  }
+};
+
 struct SavedInteractions {
   std::vector<SavedInstrument> instruments;
   std::vector<SavedGrasp> grasps;
   std::vector<SavedHold> holds;
   std::vector<SavedLoad> loads;
   std::vector<SavedCondition> conditions;
-  /// States of earlier versions end before the conditions, and so do states without any.
+  std::vector<SavedMatch> matches;
+  /// States of earlier versions end before the conditions or matches, and so do states without any.
   template <class Coder>
   void walk(Coder &coder) {
     coder(instruments, grasps, holds, loads);
-    if (Coder::kReads ? !coder.isAtEnd() : !conditions.empty()) coder(conditions);
+    if (Coder::kReads ? !coder.isAtEnd() : !conditions.empty() || !matches.empty()) coder(conditions);
+    if (Coder::kReads ? !coder.isAtEnd() : !matches.empty()) coder(matches);
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator/saved_state.h"
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -175,8 +176,8 @@ sdk::SceneRecord SavedState::sceneRecord() const {
 
 std::string SavedState::bytes(ChangeAccess) {
   conditions_.update();
-  SavedInteractions interactions{obstacles_.savedInstruments(), grasps_.saved(), holds_.saved(), forces_.saved(),
-                                 conditions_.saved()};
+  SavedInteractions interactions{obstacles_.savedInstruments(), grasps_.saved(),       holds_.saved(), forces_.saved(),
+                                 conditions_.saved(),           forces_.savedMatches()};
   const auto state = simulator_.archive().save();
   if (!state) throw Error(C3DE_E_STATE, state.error());
   std::string bytes = bytesOf(interactions);
@@ -212,6 +213,12 @@ void SavedState::load(const void *bytes, std::uint64_t n) {
     throw Error(C3DE_E_ARG, "the state belongs to another scene: " + differences);
   const SavedInteractions interactions = takeInteractions(state);
   for (const SavedHold &hold : interactions.holds) (void)table_.bodyNamed(hold.body);
+  for (const SavedMatch &match : interactions.matches) {
+    const Body &body = *simulator_.body(table_.bodyNamed(match.body));
+    if (match.forces.size() != body.rest().phyxelCount() ||
+        !std::all_of(match.forces.begin(), match.forces.end(), [](const Vec3 &f) { return f.allFinite(); }))
+      throw Error(C3DE_E_FORMAT, "the forces of the matched body '" + textOf(match.body) + "' do not belong to it");
+  }
   const auto grabIds = grasps_.grabIds(interactions.grasps);
   auto loads = forces_.prepare(interactions.loads);
   auto instruments = obstacles_.prepare(interactions.instruments);
@@ -230,7 +237,7 @@ void SavedState::load(const void *bytes, std::uint64_t n) {
     for (ActiveGrab &active : simulator_.body(id)->grabs)
       if (const auto found = grabIds.find(active.id); found != grabIds.end()) active.id = found->second;
   grasps_.restore(interactions.grasps);
-  forces_.restore(std::move(loads));
+  forces_.restore(std::move(loads), interactions.matches);
 }
 
 }  // namespace pointbased

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "c3de/sdk/conditions.hpp"
+#include "c3de/sdk/matching.hpp"
 #include "c3de/sdk/structs.hpp"
 #include "simulator/point_sets.h"
 
@@ -84,6 +85,7 @@ constexpr c3de_continuation_v0 kContinuationSlots{sizeof(c3de_continuation_v0), 
 constexpr c3de_conditions_v0 kConditionSlots{
     sizeof(c3de_conditions_v0), 1, slot<&Parts::conditionCalls, &ConditionCalls::set>,
     slot<&Parts::conditionCalls, &ConditionCalls::remove>, slot<&Parts::conditionCalls, &ConditionCalls::state>};
+constexpr c3de_matching_v0 kMatchingSlots{sizeof(c3de_matching_v0), 1, slot<&Parts::matching, &MatchingCalls::match>};
 
 }  // namespace
 
@@ -93,10 +95,10 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 8> WorldSimulator::interfaces() {
-  return {sdk::interfaceOf(kSimulatorSlots),    sdk::interfaceOf(kBodiesSlots),   sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots),   sdk::interfaceOf(kGraspSlots),    sdk::interfaceOf(kChangesSlots),
-          sdk::interfaceOf(kContinuationSlots), sdk::interfaceOf(kConditionSlots)};
+std::array<sdk::Interface, 9> WorldSimulator::interfaces() {
+  return {sdk::interfaceOf(kSimulatorSlots),    sdk::interfaceOf(kBodiesSlots),    sdk::interfaceOf(kContactSlots),
+          sdk::interfaceOf(kAttachmentSlots),   sdk::interfaceOf(kGraspSlots),     sdk::interfaceOf(kChangesSlots),
+          sdk::interfaceOf(kContinuationSlots), sdk::interfaceOf(kConditionSlots), sdk::interfaceOf(kMatchingSlots)};
 }
 
 WorldSimulator *WorldSimulator::fromAbi(c3de_object *object) {

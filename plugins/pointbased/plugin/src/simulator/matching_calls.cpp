@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulator/matching_calls.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/build_request.h"
+#include "c3de/abi/iface/parameter_ids.h"
+#include "c3de/sdk/matching.hpp"
+#include "pointbased/surface_match.h"
+#include "simulator/world_simulator.h"
+
+namespace pointbased {
+
+using sdk::Error;
+
+namespace {
+
+using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+Vec3 vectorAt(const double *numbers, std::uint64_t i) { return Vec3(numbers + 3 * i); }
+
+MatchMotion motionOf(const c3de_match_motion &in) {
+  MatchMotion out;
+  out.rotation = Eigen::Map<const RowMajor>(in.rotation);
+  out.translation = Vec3(in.translation_m);
+  requireRotation(out.rotation);
+  requireFinite("the translation of the motion", out.translation);
+  return out;
+}
+
+c3de_match_motion motionOf(const MatchMotion &in) {
+  c3de_match_motion out{};
+  Eigen::Map<RowMajor>(out.rotation) = in.rotation;
+  std::copy_n(in.translation.data(), 3, out.translation_m);
+  return out;
+}
+
+std::vector<MatchPoint> pointsOf(const c3de_match_request &in) {
+  if (in.points_n > 0) (void)sdk::notNull(in.points_m, "points_m");
+  std::vector<MatchPoint> out(static_cast<std::size_t>(in.points_n));
+  for (std::uint64_t i = 0; i < in.points_n; ++i) {
+    out[i].position = vectorAt(in.points_m, i);
+    if (in.normals) out[i].normal = vectorAt(in.normals, i);
+  }
+  return out;
+}
+
+std::vector<MatchLandmark> landmarksOf(const c3de_match_request &in) {
+  std::vector<MatchLandmark> out;
+  if (in.landmarks_n > 0) (void)sdk::notNull(in.landmarks, "landmarks");
+  for (std::uint64_t i = 0; i < in.landmarks_n; ++i) {
+    const c3de_match_landmark one = sdk::readElement(in.landmarks, i, in.landmarks_stride, "landmark");
+    out.push_back({Vec3(one.reference_m), Vec3(one.measured_m), one.noise_m});
+  }
+  return out;
+}
+
+/// What of the body a match depends on, at the beginning of the match.
+struct MatchedBody {
+  ObjectName name;
+  std::shared_ptr<const RestState> rest;
+  Constitution constitution;
+  Foundation foundation;
+  bool hasOwnSupport = true;  ///< otherwise the springs of the request are added
+};
+
+double rootMeanSquare(const std::vector<double> &values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+c3de_match_result resultOf(const SurfaceMatchResult &found) {
+  c3de_match_result out{};
+  out.flags = found.hasConverged ? C3DE_MATCH_CONVERGED : 0u;
+  out.iterations = static_cast<std::uint32_t>(found.iterations);
+  out.motion = motionOf(found.motion);
+  out.rigid = motionOf(found.rigid);
+  out.before_m = found.distanceAtStart;
+  out.rigid_m = found.distanceRigid;
+  out.after_m = found.distance;
+  out.used_part = std::min(1.0, found.usedPart);
+  for (const Vec3 &force : found.forces) out.force_N += force.norm();
+  out.error_m = rootMeanSquare(found.expectedErrors);
+  for (const double error : found.expectedErrors) out.largest_error_m = std::max(out.largest_error_m, error);
+  for (const std::uint8_t one : found.isUnknown) out.unknown_part += one != 0 ? 1.0 : 0.0;
+  if (!found.isUnknown.empty()) out.unknown_part /= static_cast<double>(found.isUnknown.size());
+  return out;
+}
+
+std::string jsonOf(const SurfaceMatchResult &found) {
+  nlohmann::json points = nlohmann::json::array(), landmarks = nlohmann::json::array();
+  for (std::size_t i = 0; i < found.distances.size(); ++i) {
+    nlohmann::json one{{"weight", found.weights[i]}};
+    // No part of the skin faces some points.
+    if (std::isfinite(found.distances[i])) one["distance_m"] = found.distances[i];
+    points.push_back(std::move(one));
+  }
+  for (const double error : found.landmarkErrors) landmarks.push_back({{"error_m", error}});
+  return nlohmann::json{{"points", points}, {"landmarks", landmarks}}.dump();
+}
+
+}  // namespace
+
+void MatchingCalls::match(const c3de_match_request *request, const c3de_progress *progress, c3de_match_result *out,
+                          c3de_sink json) {
+  const c3de_match_request in = sdk::readStruct(request, "request");
+  SimulatedWorld &world = parts_.world;
+  const MatchedBody matched = [&] {
+    const std::lock_guard lock(world.mutex);
+    const BodyRecord &record = world.table.bodyOrThrow(in.body.v);
+    const Body &body = *world.simulator.body(in.body.v);
+    if (body.rigid()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid, so it cannot be deformed");
+    if (!body.liveSupports().empty())
+      throw Error(C3DE_E_STATE, "body '" + record.name + "' has supports that were set by hand; remove them first");
+    MatchedBody found{record.identity(), body.sharedRest(), body.constitution(), body.foundation().settings()};
+    found.hasOwnSupport = found.foundation.holds() || !body.rest().conditions.held.empty();
+    if (!found.hasOwnSupport) found.foundation.stiffness = found.foundation.tangential = in.support_Pa_m;
+    found.foundation.retardationTime = 0.0;
+    return found;
+  }();
+  const sdk::Progress wanted(progress);
+  BuildRequest stop(wanted);
+  const ParallelFor parallelFor = world.context.services.parallelFor();
+  const auto checked = [](auto result) {
+    if (result) return std::move(*result);
+    const bool isCancelled = result.error() == "cancelled";
+    throw Error(isCancelled ? C3DE_E_CANCELLED : C3DE_E_STATE, result.error());
+  };
+  if (!stop.tell(0.0, "computing responses of the body")) throw Error(C3DE_E_CANCELLED, "cancelled");
+  SurfaceMatch solver =
+      checked(SurfaceMatch::create(matched.rest, matched.constitution, matched.foundation, parallelFor, &stop));
+  SurfaceMatchSettings settings;
+  settings.noise = in.noise_m;
+  settings.start = motionOf(in.motion);
+  settings.isMotionKnown = (in.flags & C3DE_MATCH_MOTION_KNOWN) != 0;
+  if (in.iterations > 0) settings.maxIterations = static_cast<int>(std::min(in.iterations, 1000u));
+  settings.stop = &stop;
+  settings.progress = [&](const SurfaceMatchProgress &now) {
+    return stop.tell(0.5 + 0.5 * now.iteration / std::max(1, now.maxIterations),
+                     "distance " + shortNumber(1e3 * now.distance) + " mm");
+  };
+  SurfaceMatchResult found = checked(solver.match(pointsOf(in), landmarksOf(in), settings));
+  sdk::writeStruct(out, resultOf(found), "out");
+  if (const c3de_status status = sdk::put(json, jsonOf(found)); status < 0)
+    throw Error(status, "the text was not accepted");
+  // A body that nothing held keeps the springs of the match, otherwise it could move freely with its forces.
+  if (!matched.hasOwnSupport)
+    for (const char *id : {C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS, "surroundings.tangential"})
+      (void)parts_.changes.make(SetBodyParameter{matched.name, ParameterEntry(sdk::numberValue(id, in.support_Pa_m))});
+  (void)parts_.changes.make(SetMatchedState{matched.name, found.displacements, found.forces});
+}
+
+}  // namespace pointbased
