@@ -14,7 +14,7 @@ namespace c3de::registration {
 [[nodiscard]] Mat4 withPoint(const Mat4 &rotation, const Vec3 &from, const Vec3 &to);
 /// Rotation about the origin by the length of the vector, radians.
 [[nodiscard]] Mat4 rotationOf(const Vec3 &vector);
-/// The rotation that moves one unit vector to another by the shortest way.
+/// The rotation of smallest angle from one unit vector to another.
 [[nodiscard]] Mat4 rotationBetween(const Vec3 &from, const Vec3 &to);
 /// `count` rotations that are uniform in the group of rotations: super-Fibonacci spirals (Alexa, CVPR 2022).
 [[nodiscard]] std::vector<Mat4> uniformRotations(std::size_t count);

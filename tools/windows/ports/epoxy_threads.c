@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
- * libepoxy for static linking. Its tables of OpenGL functions, one per thread, are allocated in DllMain, which the system
- * calls for a library file only. A program has callbacks for thread-local storage instead; they get the same arguments. */
+ * libepoxy for static linking. Its tables of OpenGL functions, one per thread, are allocated in DllMain, which the
+ * system calls for a library file only. A program has callbacks for thread-local storage instead, with the same
+ * arguments. */
 #define DllMain epoxy_thread_tables
 #include "dispatch_wgl.c"
 

@@ -50,23 +50,23 @@ Expected<void> writeImageExports(const RunOptions &options, Session &session, co
   for (const auto &file : {wanted.image, wanted.displacement}) {
     if (file.empty()) continue;
     const ImageExport one = file == wanted.image ? ImageExport{file, {}, {}} : ImageExport{{}, file, {}};
-    const auto told = u ? writeImages(one, **image, isImageOfLabels(scene), *u, {}, &session.pool())
-                        : Expected<std::string>(tl::unexpected(u.error()));
-    if (told) log(LogLevel::info, *told);
-    const Expected<void> written = told ? Expected<void>() : Expected<void>(tl::unexpected(told.error()));
+    const auto summary = u ? writeImages(one, **image, isImageOfLabels(scene), *u, {}, &session.pool())
+                           : Expected<std::string>(tl::unexpected(u.error()));
+    if (summary) log(LogLevel::info, *summary);
+    const Expected<void> written = summary ? Expected<void>() : Expected<void>(tl::unexpected(summary.error()));
     outputs.note(file, written);
-    if (file == wanted.displacement && told) outputs.note(emptiedFile(file), written);
+    if (file == wanted.displacement && summary) outputs.note(emptiedFile(file), written);
   }
   if (wanted.labels.empty()) return {};
   const auto layers = labelsToExport(scene, sources);
   if (!layers) return tl::unexpected(layers.error());
   std::vector<const imaging::LabelMap *> maps;
   for (const imaging::LabelMap &layer : **layers) maps.push_back(&layer);
-  const auto told = u ? writeLabels(wanted.labels, maps, (*image)->geometry, *u, {}, &session.pool())
-                      : Expected<std::string>(tl::unexpected(u.error()));
-  if (told) log(LogLevel::info, *told);
+  const auto summary = u ? writeLabels(wanted.labels, maps, (*image)->geometry, *u, {}, &session.pool())
+                         : Expected<std::string>(tl::unexpected(u.error()));
+  if (summary) log(LogLevel::info, *summary);
   for (const std::filesystem::path &file : labelFiles(wanted.labels, (*layers)->size()))
-    outputs.note(file, told ? Expected<void>() : Expected<void>(tl::unexpected(told.error())));
+    outputs.note(file, summary ? Expected<void>() : Expected<void>(tl::unexpected(summary.error())));
   return {};
 }
 

@@ -209,6 +209,18 @@ std::optional<double> angleOf(const Vec3 &a, const Vec3 &vertex, const Vec3 &c) 
   return std::atan2(norm(cross(u, v)), dot(u, v)) * 180.0 / std::numbers::pi;
 }
 
+std::string textOf(const ErrorSummary &summary) {
+  std::string text = fmt::format("mean {:.4g}", summary.mean_mm);
+  if (summary.sd_mm) text += fmt::format(", sd {:.4g}", *summary.sd_mm);
+  return text + fmt::format(", max {:.4g} mm", summary.max_mm);
+}
+
+std::string degrees(const std::optional<double> &angle_deg) {
+  return angle_deg ? fmt::format("{:.4g} degrees", *angle_deg) : "undefined, because landmarks coincide";
+}
+
+}  // namespace
+
 ErrorSummary summaryOf(const std::vector<double> &errors_mm) {
   ErrorSummary out;
   const auto n = static_cast<double>(errors_mm.size());
@@ -222,18 +234,6 @@ ErrorSummary summaryOf(const std::vector<double> &errors_mm) {
   out.sd_mm = std::sqrt(squares / (n - 1.0));
   return out;
 }
-
-std::string textOf(const ErrorSummary &summary) {
-  std::string text = fmt::format("mean {:.4g}", summary.mean_mm);
-  if (summary.sd_mm) text += fmt::format(", sd {:.4g}", *summary.sd_mm);
-  return text + fmt::format(", max {:.4g} mm", summary.max_mm);
-}
-
-std::string degrees(const std::optional<double> &angle_deg) {
-  return angle_deg ? fmt::format("{:.4g} degrees", *angle_deg) : "undefined, because landmarks coincide";
-}
-
-}  // namespace
 
 Expected<std::vector<Landmark>> landmarksOf(const scene::SceneFile &scene,
                                             const std::vector<std::filesystem::path> &files,

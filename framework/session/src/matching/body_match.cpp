@@ -95,9 +95,8 @@ BodyMatch matchOf(const c3de_match_result &result, const Json &details) {
   out.after_mm = kMillimetres * result.after_m;
   out.usedPart = result.used_part;
   out.force_N = result.force_N;
-  out.error_mm = kMillimetres * result.error_m;
-  out.largestError_mm = kMillimetres * result.largest_error_m;
-  out.unknownPart = result.unknown_part;
+  if ((result.flags & C3DE_MATCH_ERROR_KNOWN) != 0)
+    out.error = {kMillimetres * result.error_m, kMillimetres * result.largest_error_m, result.unknown_part};
   for (const Json &point : details.value("points", Json::array())) {
     const auto distance_m = numberAt(point, "distance_m");
     out.distance_mm.push_back(distance_m ? std::optional(kMillimetres * *distance_m) : std::nullopt);

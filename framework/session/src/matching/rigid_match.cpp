@@ -36,19 +36,6 @@ Error ofFile(const Error &error, const std::filesystem::path &file) {
           error.message.find(name) == std::string::npos ? displayMessage(name + ": " + error.message) : error.message};
 }
 
-ErrorSummary summaryOfErrors(const std::vector<double> &errors_mm) {
-  ErrorSummary out;
-  const auto n = static_cast<double>(errors_mm.size());
-  for (const double error_mm : errors_mm) {
-    out.mean_mm += error_mm / n;
-    out.max_mm = std::max(out.max_mm, error_mm);
-  }
-  double squares = 0.0;
-  for (const double error_mm : errors_mm) squares += (error_mm - out.mean_mm) * (error_mm - out.mean_mm);
-  if (errors_mm.size() > 1) out.sd_mm = std::sqrt(squares / (n - 1.0));
-  return out;
-}
-
 void addLandmarks(const std::vector<Landmark> &landmarks, const scene::SceneMatch &match, RigidMatch &out) {
   std::vector<double> before, after;
   for (const Landmark &one : landmarks) {
@@ -59,8 +46,8 @@ void addLandmarks(const std::vector<Landmark> &landmarks, const scene::SceneMatc
     after.push_back(out.landmarks.back().errorRigid_mm());
   }
   if (before.empty()) return;
-  out.before = summaryOfErrors(before);
-  out.after = summaryOfErrors(after);
+  out.before = summaryOf(before);
+  out.after = summaryOf(after);
 }
 
 double rmsOfInliersBefore(const registration::RigidRegistration &rigid) {
@@ -82,7 +69,23 @@ MatchReport jsonOfErrors(const ErrorSummary &of) {
       {"mean", of.mean_mm}, {"sd", of.sd_mm ? MatchReport(*of.sd_mm) : MatchReport()}, {"max", of.max_mm}};
 }
 
-std::string deformationWarning(const ElasticMatch &elastic) { return "the body was not deformed: " + elastic.failure; }
+/// Why the deformation should not be trusted.
+std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
+  constexpr double kFewPoints =
+      0.7;  // half of the points may be outliers; noise that was stated too small excludes as many
+  std::vector<std::string> out;
+  if (!elastic.failure.empty()) out.push_back("the body was not deformed: " + elastic.failure);
+  if (!elastic.body) return out;
+  if (!elastic.body->hasConverged) out.push_back("the deformation has not converged");
+  if (elastic.body->usedPart < kFewPoints)
+    out.push_back(
+        fmt::format("the deformation uses {:.0f} % of the points: the others are farther away than the noise "
+                    "explains; is it larger, or are they of another body?",
+                    100.0 * elastic.body->usedPart));
+  if (!elastic.body->error)
+    out.push_back("the error of the deformation is not known, because its equilibrium is not stable; do not trust it");
+  return out;
+}
 
 void addElastic(const RigidMatch &match, const ElasticMatch &elastic, MatchReport &json) {
   if (!elastic.body) return;
@@ -93,9 +96,14 @@ void addElastic(const RigidMatch &match, const ElasticMatch &elastic, MatchRepor
   json["forces"] = MatchReport::array({MatchReport{{"body", match.body}, {"sum_N", body.force_N}}});
   json["elastic"] = MatchReport{{"wall_s", elastic.wall_s},
                                 {"used_part", body.usedPart},
-                                {"expected_error_mm", body.error_mm},
-                                {"largest_expected_error_mm", body.largestError_mm},
-                                {"unknown_part", body.unknownPart}};
+                                {"expected_error_mm", nullptr},
+                                {"largest_expected_error_mm", nullptr},
+                                {"unknown_part", nullptr}};
+  if (body.error) {
+    json["elastic"]["expected_error_mm"] = body.error->rms_mm;
+    json["elastic"]["largest_expected_error_mm"] = body.error->largest_mm;
+    json["elastic"]["unknown_part"] = body.error->unknownPart;
+  }
   if (!elastic.after) return;
   json["landmark_error_mm"]["after"] = jsonOfErrors(*elastic.after);
   for (std::size_t i = 0; i < elastic.landmarks_mm.size(); ++i) {
@@ -213,7 +221,7 @@ void addLandmarks(const RigidMatch &match, std::vector<Vec3> at_mm, ElasticMatch
     errors_mm.push_back(norm(at_mm[i] - match.landmarks[i].target_mm));
   }
   out.landmarks_mm = std::move(at_mm);
-  out.after = summaryOfErrors(errors_mm);
+  out.after = summaryOf(errors_mm);
 }
 
 std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic) {
@@ -256,7 +264,7 @@ std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic) {
                     {"error_mm", {{"before", one.errorBefore_mm()}, {"rigid", one.errorRigid_mm()}}}});
   std::vector<std::string> warnings = rigid.warnings;
   addElastic(match, elastic, json);
-  if (!elastic.failure.empty()) warnings.push_back(deformationWarning(elastic));
+  for (std::string &warning : warningsOf(elastic)) warnings.push_back(std::move(warning));
   json["warnings"] = warnings;
   return json.dump(-1, ' ', false, MatchReport::error_handler_t::replace);
 }
@@ -285,13 +293,14 @@ std::vector<std::string> matchLines(const RigidMatch &match, const ElasticMatch 
                     "of force magnitudes {:.3g} N",
                     body.after_mm, body.iterations, elastic.wall_s, body.hasConverged ? "" : ", not converged",
                     100.0 * body.usedPart, body.force_N));
-    lines.push_back(
-        fmt::format("expected error of the deformation: {:.2g} mm, at most {:.2g}; {:.0f} % of the "
-                    "body is hardly determined",
-                    body.error_mm, body.largestError_mm, 100.0 * body.unknownPart));
+    if (body.error)
+      lines.push_back(
+          fmt::format("expected error of the deformation: {:.2g} mm, at most {:.2g}; {:.0f} % of the body is "
+                      "hardly determined",
+                      body.error->rms_mm, body.error->largest_mm, 100.0 * body.error->unknownPart));
     if (elastic.after) lines.push_back("landmarks: " + textOfErrors(*elastic.after) + " after the deformation");
   }
-  if (!elastic.failure.empty()) lines.push_back("warning: " + deformationWarning(elastic));
+  for (const std::string &warning : warningsOf(elastic)) lines.push_back("  warning: " + warning);
   if (rigid.candidates.size() > 1)
     for (std::size_t i = 0; i < rigid.candidates.size(); ++i) {
       const geometry::RigidPose one = geometry::poseOf(rigid.candidates[i].measuredFromBody, {});

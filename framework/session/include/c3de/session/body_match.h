@@ -31,10 +31,14 @@ struct BodyMatch {
   Mat4 measuredFromBody = kIdentity4;  ///< rigid motion of the deformed body, in mm
   /// Distances of the points to the surface, root mean square by robust weights: at the start, after the rigid motion, now
   double before_mm = 0.0, rigid_mm = 0.0, after_mm = 0.0;
-  double usedPart = 0.0;                           ///< 0 … 1: of the points; the others count as false
-  double force_N = 0.0;                            ///< sum of the magnitudes of the forces that were found
-  double error_mm = 0.0, largestError_mm = 0.0;    ///< expected, without errors of the model: root mean square, maximum
-  double unknownPart = 0.0;                        ///< 0 … 1: of the body, which the points hardly determine
+  double usedPart = 0.0;  ///< 0 … 1: of the points; the others count as false
+  double force_N = 0.0;   ///< sum of the magnitudes of the forces that were found
+  /// Expected, without errors of the model; none: the equilibrium is not stable, so that they are not known
+  struct ExpectedError {
+    double rms_mm = 0.0, largest_mm = 0.0;
+    double unknownPart = 0.0;  ///< 0 … 1: of the body, which the points hardly determine
+  };
+  std::optional<ExpectedError> error;
   std::vector<std::optional<double>> distance_mm;  ///< [points]; none: no part of the surface faces the point
   std::vector<double> weights;                     ///< [points] 0 … 1
   std::vector<double> landmarkErrors_mm;           ///< [pairs]

@@ -74,6 +74,9 @@ struct ErrorSummary {
   std::optional<double> sd_mm;  ///< of the sample (n - 1); none: one landmark
 };
 
+/// @param errors_mm  at least one
+[[nodiscard]] ErrorSummary summaryOf(const std::vector<double> &errors_mm);
+
 struct Measurements {
   std::vector<MeasuredLandmark> landmarks;
   std::vector<MeasuredDistance> distances;

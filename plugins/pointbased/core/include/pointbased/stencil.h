@@ -63,14 +63,15 @@ struct HangingCells {
   }
 };
 
-/// Points of cells whose functions are quadratic along edges (LatticeOrder::quadratic). Their rows have the eight corners
-/// of the cell first, then phyxels next to it. The mean of the second derivatives of the motion over the part is known:
+/// Points of cells whose functions are quadratic along edges (LatticeOrder::quadratic). Their rows have the eight
+/// corners of the cell first, then phyxels next to it. The mean of the second derivatives of the motion over the
+/// part is known:
 /// xy, xz, yz from `StencilSet::modes`, xx, yy, zz from `bends`.
 struct QuadraticPoints {
   static constexpr Index kNone = 0xffffffffu;
   static constexpr Index kCorners = 8;
-  /// Edge 4 a + i is along lattice axis a; bits of i: its side along the axes a + 1 and a + 2 (modulo 3). Its function is
-  /// 1 in its middle, 0 at both ends and on the other edges.
+  /// Edge 4 a + i is along lattice axis a; bits of i: its side along the axes a + 1 and a + 2 (modulo 3). Its
+  /// function is 1 in its middle, 0 at both ends and on the other edges.
   static constexpr std::size_t kEdges = 12;
   struct Point {
     CellShape corners;                  ///< rows over its corners alone, of trilinear functions

@@ -87,8 +87,8 @@ struct SurfaceMatchResult {
 /// at which hardly anything deforms until the distances are those of the noise. The size of Young's modulus cancels in
 /// τ.
 ///
-/// Limitation: an unknown motion is first fitted as rigid and keeps the part of the deformation that it represents. If a
-/// tracked frame or bone determines the motion, pass it.
+/// Limitation: an unknown motion is first fitted as rigid and keeps the part of the deformation that it represents.
+/// If a tracked frame or bone determines the motion, pass it.
 ///
 /// The body keeps its fixes and loads; materials respond without flow and relaxation. Not for clinical use.
 /// @threads one at a time; bitwise identical for any number behind parallelFor

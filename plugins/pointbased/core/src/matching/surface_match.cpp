@@ -100,7 +100,7 @@ struct SurfaceMatch::Impl {
     out.stop = stop;
     return out;
   }
-  [[nodiscard]] Result<void> settle(const StopRequest *stop) {
+  [[nodiscard]] Result<void> findEquilibrium(const StopRequest *stop) {
     body->quasiStatic = true;
     const std::string why = quasiStaticStep(*body, newton, environment(stop), 0.0, 1.0).failure;
     if (why.empty()) return {};
@@ -247,7 +247,7 @@ class Iterations {
   Result<void> moveBody(MatchPotential &potential) {
     Vector6 gradient;
     Matrix6 hessian;
-    // Under compression the tangent may be indefinite on the way; the motion then waits for the next iteration.
+    // Under compression the tangent may be indefinite between equilibria; the motion is then updated in the next iteration.
     if (auto done = reducedHessian(potential, gradient, hessian); !done) return {};
     Vector6 step = -hessian.ldlt().solve(gradient);
     if (!step.allFinite() || gradient.dot(step) > 0.0) return {};
@@ -438,7 +438,7 @@ Result<SurfaceMatch> SurfaceMatch::create(std::shared_ptr<const RestState> rest,
     return tl::unexpected(
         std::string("nothing holds the body; a fix or a foundation with normal and tangential stiffness is required"));
   try {
-    if (auto done = impl->settle(stop); !done) return tl::unexpected(done.error());
+    if (auto done = impl->findEquilibrium(stop); !done) return tl::unexpected(done.error());
   } catch (const Stopped &) {
     return tl::unexpected(std::string("cancelled"));
   }
@@ -469,7 +469,7 @@ void SurfaceMatch::reset() {
   impl_->body->reset();
   impl_->newton.forget();
   impl_->tangent.forget();
-  (void)impl_->settle(nullptr);
+  (void)impl_->findEquilibrium(nullptr);
 }
 
 }  // namespace pointbased

@@ -15,7 +15,7 @@ namespace {
 /// Of the sum of the forces' magnitudes. A repetition reduces the difference by the strain of the loaded surface, so the
 /// forces of the last solution are more accurate than this.
 constexpr double kFollowerTolerance = 1e-4;
-/// Pressures that stretch the surface without a bound never agree; the solution remains that of the last repetition.
+/// Pressures that stretch the surface without a bound never agree; a warning reports it.
 constexpr int kMostRepetitions = 20;
 
 }  // namespace
@@ -110,8 +110,9 @@ void ExternalForces::addLoads(std::uint64_t id, const SurfaceConditions &conditi
   const Body &body = *simulator_.body(id);
   if (body.isStatic()) return;
   const std::size_t n = body.rest().phyxelCount();
+  const bool isReset = matchedResets_ != world_.resets;
   // A renewed reference has the same phyxels; a body that was filled again has others.
-  if (const auto matched = matched_.find(id); matched != matched_.end() && matched->second.size() == n) {
+  if (const auto matched = matched_.find(id); !isReset && matched != matched_.end() && matched->second.size() == n) {
     forces.resize(n, Vec3::Zero());
     for (std::size_t i = 0; i < n; ++i) forces[i] += matched->second[i];
   }
@@ -126,10 +127,7 @@ void ExternalForces::addLoads(std::uint64_t id, const SurfaceConditions &conditi
 }
 
 void ExternalForces::continueToEquilibrium(const SurfaceConditions &conditions) {
-  if (!simulator_.quasiStatic() || !simulator_.finished()) {
-    if (!simulator_.quasiStatic()) repetitions_ = 0;
-    return;
-  }
+  if (!simulator_.quasiStatic() || !simulator_.finished()) return;
   double difference = 0.0, sum = 0.0;
   for (const auto &[id, record] : table_.bodies()) {
     const std::span<const Vec3> before = simulator_.body(id)->externalForces();
@@ -142,7 +140,12 @@ void ExternalForces::continueToEquilibrium(const SurfaceConditions &conditions) 
       sum += now[i].norm();
     }
   }
-  if (difference <= kFollowerTolerance * sum || repetitions_ >= kMostRepetitions) {
+  const bool differs = difference > kFollowerTolerance * sum;
+  if (!differs || repetitions_ >= kMostRepetitions) {
+    if (differs)
+      world_.context.services.log.warn(
+          "the pressures that follow the surface changed by " + shortNumber(100.0 * difference / sum) +
+          " % in the last solution: it is no equilibrium with them; a smaller pressure helps");
     repetitions_ = 0;
     return;
   }
@@ -168,11 +171,13 @@ std::vector<ExternalForces::RuntimeLoad> ExternalForces::prepare(const std::vect
 }
 
 void ExternalForces::setMatched(ChangeAccess, std::uint64_t body, std::vector<Vec3> forces) {
+  if (std::exchange(matchedResets_, world_.resets) != world_.resets) matched_.clear();
   matched_[body] = std::move(forces);
 }
 
 std::vector<SavedMatch> ExternalForces::savedMatches() const {
   std::vector<SavedMatch> all;
+  if (matchedResets_ != world_.resets) return all;
   for (const auto &[id, forces] : matched_)
     if (const BodyRecord *body = table_.body(id)) all.push_back({body->identity(), forces});
   return all;
@@ -180,6 +185,7 @@ std::vector<SavedMatch> ExternalForces::savedMatches() const {
 
 void ExternalForces::restore(std::vector<RuntimeLoad> loads, const std::vector<SavedMatch> &matches) {
   matched_.clear();
+  matchedResets_ = world_.resets;
   for (const SavedMatch &one : matches) matched_[table_.bodyNamed(one.body)] = one.forces;
   std::map<std::uint64_t, std::uint64_t> ids;  // by number: a plugin keeps the handle of its load
   for (const auto &[id, load] : loads_) ids.emplace(load.number, id);

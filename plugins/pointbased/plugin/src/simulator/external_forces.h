@@ -41,11 +41,8 @@ class ExternalForces {
   void invalidateMasses(std::uint64_t body);
   void removeLoad(ChangeAccess, std::uint64_t id) { loads_.erase(id); }
   void removeLoadsOf(ChangeAccess access, std::uint64_t body);
-  void removeLoads() {
-    loads_.clear();
-    matched_.clear();
-  }
-  /// Forces that hold a body in a matched state, until removeLoads(). @param forces  [phyxels] N
+  void removeLoads() { loads_.clear(); }
+  /// Forces that hold a body in a matched state, until the next reset. @param forces  [phyxels] N
   void setMatched(ChangeAccess, std::uint64_t body, std::vector<Vec3> forces);
   [[nodiscard]] std::vector<SavedLoad> saved() const;
   [[nodiscard]] std::vector<SavedMatch> savedMatches() const;
@@ -73,7 +70,8 @@ class ExternalForces {
   BodyTable &table_ = world_.table;
   std::map<std::uint64_t, SharedPoints> sharedPoints_;
   std::map<std::uint64_t, RuntimeLoad> loads_;
-  std::map<std::uint64_t, std::vector<Vec3>> matched_;  // by body
+  std::map<std::uint64_t, std::vector<Vec3>> matched_;  // by body, since the reset of this number
+  std::uint64_t matchedResets_ = 0;
   std::uint64_t lastNumber_ = 0;
   int repetitions_ = 0;  // of the last increment, since the loads or supports changed
 };

@@ -74,7 +74,8 @@ double rootMeanSquare(const std::vector<double> &values) {
 
 c3de_match_result resultOf(const SurfaceMatchResult &found) {
   c3de_match_result out{};
-  out.flags = found.hasConverged ? C3DE_MATCH_CONVERGED : 0u;
+  out.flags =
+      (found.hasConverged ? C3DE_MATCH_CONVERGED : 0u) | (found.expectedErrors.empty() ? 0u : C3DE_MATCH_ERROR_KNOWN);
   out.iterations = static_cast<std::uint32_t>(found.iterations);
   out.motion = motionOf(found.motion);
   out.rigid = motionOf(found.rigid);

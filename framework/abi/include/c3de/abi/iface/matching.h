@@ -12,6 +12,8 @@
 #define C3DE_MATCH_MOTION_KNOWN 1u /* of a request: the motion is exact and is not changed */
 
 #define C3DE_MATCH_CONVERGED 1u /* of a result */
+#define C3DE_MATCH_ERROR_KNOWN \
+  2u /* of a result: the expected errors were computed, because the equilibrium is stable */
 
 /* y = rotation x + translation_m, from the world of the simulation to the space of the measurement. */
 typedef struct c3de_match_motion {
@@ -46,7 +48,7 @@ typedef struct c3de_match_request {
 
 typedef struct c3de_match_result {
   uint32_t size;
-  uint32_t flags; /* C3DE_MATCH_CONVERGED */
+  uint32_t flags; /* C3DE_MATCH_CONVERGED, C3DE_MATCH_ERROR_KNOWN */
   uint32_t iterations;
   uint32_t reserved;
   c3de_match_motion motion; /* found */

@@ -34,8 +34,8 @@ struct EdgeMeans {
 };
 [[nodiscard]] EdgeMeans edgeMeansOf(const Moments &moments);
 
-/// The edges with functions of second order. With u_k in a row of corners, the coefficient of the function between k and
-/// k + 1 is that of the cubic polynomial through four of them,
+/// The edges with functions of second order. With u_k in a row of corners, the coefficient of the function between k
+/// and k + 1 is that of the cubic polynomial through four of them,
 ///
 ///     b = (-u_{k-1} + u_k + u_{k+1} - u_{k+2})/16,
 ///
