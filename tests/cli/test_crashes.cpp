@@ -53,6 +53,13 @@ class Person {
   fs::path scene_;
 };
 
+// What ends a process that writes at an invalid address.
+#if defined(_WIN32)
+constexpr const char *kInvalidAccess = "0xC0000005";
+#else
+constexpr const char *kInvalidAccess = "SIGSEGV";
+#endif
+
 /// An exit code of a program that the system has ended.
 bool isCrash(int exitCode) {
 #if defined(_WIN32)
@@ -68,13 +75,18 @@ TEST_CASE("a plugin that dies, hangs or exits at its first use is refused, and t
   struct Case {
     const char *where, *said;
   };
-  for (const Case &one :
-       {Case{"loading", "(loading of its library)"}, Case{"create", "in plugin test.dying (create)"},
-        Case{"thread", "in plugin test.dying (on its own thread)"}, Case{"create exit", "by exit() within create"},
-        Case{"create _Exit", "by _Exit() within create"},
-        Case{"create thread exit", "plugin test.dying has ended the program, by exit()"},
-        Case{"create thread _Exit", "plugin test.dying has ended the program, by _Exit()"},
-        Case{"hang", "had not come to an end after 5 s"}}) {
+  for (const Case &one : {
+         Case{"loading", "(loading of its library)"}, Case{"create", "in plugin test.dying (create)"},
+             Case{"thread", "in plugin test.dying (on its own thread)"}, Case{"create exit", "by exit() within create"},
+             Case{"create thread exit", "plugin test.dying has ended the program, by exit()"},
+#if !defined(_WIN32)  // where _Exit() is not noticed
+             Case{"create _Exit", "by _Exit() within create"},
+             Case{"create thread _Exit", "plugin test.dying has ended the program, by _Exit()"},
+#endif
+             Case {
+           "hang", "had not come to an end after 5 s"
+         }
+       }) {
     INFO(one.where);
     const Person person(std::string("first-use-") + one.where);
     const auto result = person.run(one.where);
@@ -99,13 +111,15 @@ TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the 
     const std::string place = where == std::string("create") ? "(create)"
                               : where == std::string("step") ? "(apply of a force field)"
                                                              : "(on its own thread)";
-    CHECK_THAT(died.errorOutput, Contains("c3de: fatal: SIG") && Contains("in plugin test.dying " + place));
+    const std::string how = where == std::string("step") ? kInvalidAccess : "SIGABRT";
+    CHECK_THAT(died.errorOutput, Contains("c3de: fatal: " + how) && Contains("in plugin test.dying " + place));
     const auto next = person.run("");
     CHECK(next.exitCode == 0);
-    CHECK_THAT(next.errorOutput, Contains("the last run ended by SIG") && Contains("in plugin test.dying " + place) &&
-                                     Contains("--without test.dying") && Contains("--safe-mode"));
+    CHECK_THAT(next.errorOutput, Contains("the last run ended by " + how) &&
+                                     Contains("in plugin test.dying " + place) && Contains("--without test.dying") &&
+                                     Contains("--safe-mode"));
     CHECK(person.run("").errorOutput.find("the last run") == std::string::npos);  // reported once
-    CHECK_THAT(person.plugins().output, Contains("crashed  test.dying: one run ended by SIG"));
+    CHECK_THAT(person.plugins().output, Contains("crashed  test.dying: one run ended by " + how));
   }
 }
 
@@ -126,9 +140,12 @@ TEST_CASE("a plugin that ends a run is named, the run has failed, and the next o
 #if !defined(__MINGW32__)
              Case{"step quick_exit", "by quick_exit() within apply of a force field"},
 #endif
+#if !defined(_WIN32)  // where _Exit() is not noticed
              Case{"step _Exit", "by _Exit() within apply of a force field"},
-             Case{"step thread exit", "by exit() on a thread of its own"}, Case {
-           "step thread _Exit", "by _Exit() on a thread of its own"
+             Case{"step thread _Exit", "by _Exit() on a thread of its own"},
+#endif
+             Case {
+           "step thread exit", "by exit() on a thread of its own"
          }
        }) {
     INFO(one.where);

@@ -291,7 +291,7 @@ TEST_CASE("The lung: masks of two breathing states, and the landmark error after
   };
   const fs::path scene = folder / "lung.toml";
   writeFile(scene, "format = 1\n[[body]]\nname = \"lung\"\nvolume = \"" +
-                       (data / "3DCT_lung_baseline_mask.mha").string() +
+                       (data / "3DCT_lung_baseline_mask.mha").generic_string() +
                        "\"\nlabel = 1\nmaterial = { law = \"neo_hookean\", youngs_modulus = 5e3, poisson_ratio = 0.3, "
                        "density = 300.0 }\nsampling = { count = 1000 }\n");
   const Answer out = matched("lung", scene.string(),

@@ -441,6 +441,9 @@ EOF
     ends_with_status 0
     [ "$(tail -n 1 "$place/out")" = "  test_ui: window" ] || fail "the test that passed only alone was expected at the end"
     grep -q "passed only when" "$place/out" || fail "a second run was expected to be reported"
+    printf '%s\n' "3:test_ui: window" >"$state/failing_test"
+    launch check -R window
+    called "ctest --rerun-failed .* -R window"
     printf '%s\n' "3:test_ui: window" "4:test_ui: menu" "12:a beam bends" >"$state/failing_test"
     launch check
     ends_with_status 8

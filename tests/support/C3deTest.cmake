@@ -14,7 +14,7 @@ function(c3de_test name)
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} c3de_test_support c3de_warnings c3de_sanitizers)
   c3de_test_definitions(${name} ${ARG_DEFINITIONS})
   if(C3DE_TEST_DRIVE)
-    # The GDCM of tools/windows contains a zlib of its own, with the functions of the other one.
+    # For a folder of libraries whose GDCM contains a zlib of its own, with the functions of the other one.
     target_link_options(${name} PRIVATE -Wl,--allow-multiple-definition)
   endif()
   # Tests run once and spend their time in what they test, which keeps its own flags.

@@ -14,4 +14,7 @@ std::vector<std::string> programCommand(const std::vector<std::string> &argument
 /// A file that the program names, as this process finds it.
 std::filesystem::path fileOfProgram(const std::string &name);
 
+/// The full path by which the program finds a file or folder of this process.
+std::string nameInProgram(const std::filesystem::path &file);
+
 }  // namespace c3de::test

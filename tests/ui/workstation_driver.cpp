@@ -84,6 +84,10 @@ std::filesystem::path fileOfProgram(const std::string &name) {
   return here;
 }
 
+std::string nameInProgram(const std::filesystem::path &file) {
+  return isForWindows() ? argumentForWindows(file.string()) : file.string();
+}
+
 std::filesystem::path outputFile(const std::string &name) {
   const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
   std::filesystem::create_directories(folder);

@@ -53,6 +53,13 @@ std::string testPlugin(const std::string &name) {
   return (fs::path(C3DE_TEST_PLUGINS) / (name + c3de::pluginExtension())).string();
 }
 
+// What ends a process that reads or writes at an invalid address.
+#if defined(_WIN32)
+constexpr const char *kInvalidAccess = "0xC0000005";
+#else
+constexpr const char *kInvalidAccess = "SIGSEGV";
+#endif
+
 }  // namespace
 
 TEST_CASE("good plugins pass every check") {
@@ -127,8 +134,8 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
   struct Mode {
     const char *mode, *check, *result, *says;
   };
-  const std::vector<Mode> modes{
-      {"entry_dies", "entry", "fail", "SIGSEGV"},
+  std::vector<Mode> modes{
+      {"entry_dies", "entry", "fail", kInvalidAccess},
       {"entry_is_slow", "entry", "fail", "at most 10 ms"},
       {"entry_changes", "entry", "fail", "another descriptor each time"},
       {"entry_takes_every_host", "entry.other-abi", "fail", "must refuse"},
@@ -136,19 +143,17 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"entry_writes_behind", "entry.older-host", "fail", "it must look at size"},
       {"dies_without_tools", "lifecycle.without", "fail", "ended the process while it lives without tools: "},
       {"refuses_without_tools", "lifecycle.without", "fail", "without tools, which it does not require"},
-      {"create_leaks", "lifecycle.repeated", "fail", "bytes are not given back"},
       {"needs_a_window", "lifecycle.headless", "fail", "in plugin test.modes (create)"},
       {"start_fails", "lifecycle", "fail", "not today"},
       {"start_hangs", "lifecycle", "fail", "had not come to an end after 3 s"},
       {"start_prints_without_end", "lifecycle", "fail", "had not come to an end after 3 s"},
       {"start_ends_the_program", "lifecycle", "fail", "by exit() within start"},
       {"thread_throws", "lifecycle", "fail", "in plugin test.modes (on its own thread)"},
-      {"thread_stays", "lifecycle.threads", "fail", "1 of its threads still run"},
       {"stop_throws", "lifecycle", "warn", "of the end"},
       {"stop_hangs", "lifecycle", "fail", "had not come to an end"},
       {"destroy_dies", "lifecycle", "fail", "in plugin test.modes (destroy)"},
       {"parameter_throws", "parameters", "fail", "of a value"},
-      {"parameter_dies_at_the_end", "parameters", "fail", "SIGSEGV"},
+      {"parameter_dies_at_the_end", "parameters", "fail", kInvalidAccess},
       {"parameter_without_label", "parameters", "warn", "without a label: age"},
       {"panel_throws", "panels", "fail", "of a panel"},
       {"panel_dies", "panels", "fail", "in plugin test.modes (on_ui of a panel)"},
@@ -156,11 +161,11 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"panel_ends_no_list", "panels", "warn", "does not end a list"},
       {"panel_dies_of_its_box", "panels", "fail", "(on_ui of a panel)"},
       {"tool_throws", "tools", "fail", "of an event"},
-      {"tool_dies_of_the_wheel", "tools", "fail", "SIGSEGV"},
-      {"tool_dies_in_cancel", "tools", "fail", "SIGSEGV"},
+      {"tool_dies_of_the_wheel", "tools", "fail", kInvalidAccess},
+      {"tool_dies_in_cancel", "tools", "fail", kInvalidAccess},
       {"tool_hangs", "tools", "fail", "had not come to an end"},
-      {"command_dies", "commands", "fail", "SIGSEGV"},
-      {"reader_dies_of_little", "readers", "fail", "SIGSEGV"},
+      {"command_dies", "commands", "fail", kInvalidAccess},
+      {"reader_dies_of_little", "readers", "fail", kInvalidAccess},
       {"reader_hangs", "readers", "fail", "had not come to an end"},
       {"field_writes_to_positions", "steps", "fail", "writes to positions_m, which it may only read"},
       {"field_writes_to_velocities", "steps", "fail", "writes to velocities_m_s, which it may only read"},
@@ -171,24 +176,23 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"stepped_clears_the_simulation", "steps", "fail", "has removed bodies: there were 1, there are 0"},
       {"stepped_removes_a_body", "steps", "fail", "has removed bodies"},
       {"stepped_resets_the_simulation", "steps", "fail", "has changed the state"},
-      {"panel_changes_the_locale", "panels", "fail", "it writes numbers as in the locale"},
       {"reader_writes_to_its_file", "readers", "fail", "has written to read-only data"},
       {"writer_writes_to_its_mesh", "writers", "fail", "has written to read-only data"},
       {"simulator_rounds_upward", "simulators", "fail", "it rounds upward"},
       {"simulator_takes_small_structs", "simulators.arguments", "fail",
        "body_info with a c3de_sim_body_info of size 4"},
       {"field_divides_by_zero", "steps", "fail", "inf"},
-      {"field_dies_of_little", "steps", "fail", "SIGSEGV"},
+      {"field_dies_of_little", "steps", "fail", kInvalidAccess},
       {"field_throws", "steps", "fail", "of a field"},
       {"stepped_throws", "steps", "fail", "of a watch"},
-      {"writer_dies_of_much", "writers", "fail", "SIGSEGV"},
+      {"writer_dies_of_much", "writers", "fail", kInvalidAccess},
       {"writer_hangs", "writers", "fail", "had not come to an end"},
       {"writer_throws", "writers", "fail", "of a writer"},
       {"writer_puts_nowhere", "writers", "fail", "bytes is null"},
       {"no_label", "classes", "warn", "has no label"},
       {"retain_says_nothing", "classes", "fail", "they must be 2 and 1"},
       {"release_keeps_one", "classes", "fail", "the last release answers 1"},
-      {"query_of_object_crashes_on_long_ids", "classes", "fail", "SIGSEGV"},
+      {"query_of_object_crashes_on_long_ids", "classes", "fail", kInvalidAccess},
       {"answers_everything", "classes", "fail", "no.such.iface/1"},
       {"claims_every_revision", "classes", "fail", "claims to have revision"},
       {"lists_what_it_does_not_answer", "classes", "fail", "which its class lists"},
@@ -219,10 +223,15 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"state_forgets", "simulators.states", "fail", "are not those after the saved one"},
       {"state_takes_everything", "simulators.states", "fail", "bytes of a state are accepted"},
       {"state_changes_and_refuses", "simulators.states", "fail", "has changed something"},
-      {"state_crashes_on_cut_bytes", "simulators.states", "fail", "SIGSEGV"},
+      {"state_crashes_on_cut_bytes", "simulators.states", "fail", kInvalidAccess},
       {"simulator_takes_everything", "simulators.arguments", "fail", "accepts what it must refuse"},
-      {"simulator_crashes_on_null", "simulators.arguments", "fail", "SIGSEGV"},
+      {"simulator_crashes_on_null", "simulators.arguments", "fail", kInvalidAccess},
   };
+#if !defined(_WIN32)  // where neither memory nor threads are counted, and a plugin contains a C++ library of its own
+  modes.push_back({"create_leaks", "lifecycle.repeated", "fail", "bytes are not given back"});
+  modes.push_back({"thread_stays", "lifecycle.threads", "fail", "1 of its threads still run"});
+  modes.push_back({"panel_changes_the_locale", "panels", "fail", "it writes numbers as in the locale"});
+#endif
   {
     const Validated good = validate(testPlugin("modes"));
     INFO(good.output);
@@ -284,7 +293,8 @@ TEST_CASE("files that are no plugins are said to be none, and asking wrongly is 
   CHECK(text.of("file")["result"] == "fail");
   CHECK(text.of("lifecycle")["result"] == "skip");
 
-  fs::copy_file(C3DE_HELLO, file, fs::copy_options::overwrite_existing);
+  fs::remove(file);
+  fs::copy_file(C3DE_HELLO, file);
   fs::resize_file(file, fs::file_size(file) / 2);
   const Validated cut = validate(file.string());
   CHECK(cut.exitCode == 1);

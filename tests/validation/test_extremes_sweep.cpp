@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
 
 #include "atlas.h"
+#include "c3de/core/platform.h"
 #include "extreme_cases.h"
 #include "mesh_body.h"
 #include "support/catch.h"
@@ -21,8 +21,6 @@ using namespace extremes;
 namespace {
 
 constexpr double kHang = 60.0;  // s of processor time, a step
-
-double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Grid {
   std::vector<double> moduli, ratios, steps;  // Pa, 1, s
@@ -78,13 +76,13 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
                     .maxForce = 3.0 * 9.81 * body.totalMass()};
     simulator.stepper().setGrab(id, grab);
   }
-  const double start = processorSeconds();
+  const double start = c3de::processorTime_s();
   bool good = true;
   while (good && run.steps < steps && !simulator.finished() && run.seconds < seconds) {
-    const double before = processorSeconds();
+    const double before = c3de::processorTime_s();
     good = simulator.step().has_value();
-    run.slowestStep = std::max(run.slowestStep, processorSeconds() - before);
-    run.seconds = processorSeconds() - start;
+    run.slowestStep = std::max(run.slowestStep, c3de::processorTime_s() - before);
+    run.seconds = c3de::processorTime_s() - start;
     run.steps += good ? 1 : 0;
   }
   const bool reported = Contains("phyxel").match(body.stopMessage()) && Contains("Help").match(body.stopMessage()) &&
@@ -109,7 +107,7 @@ std::vector<AtlasRun> sweep(const Grid &grid) {
   for (const auto &rest : grid.bodies)
     for (const Scheme &scheme : kSchemes)
       for (const double dt : scheme.integrator == Integrator::quasiStatic ? std::vector<double>{0.0} : grid.steps) {
-        const double before = processorSeconds();
+        const double before = c3de::processorTime_s();
         for (const double youngs : grid.moduli)
           for (const double poisson : grid.ratios) {
             runs.push_back(fallAndPull(rest, youngs, poisson, dt, scheme, grid.length, grid.seconds));
@@ -118,7 +116,7 @@ std::vector<AtlasRun> sweep(const Grid &grid) {
             CHECK(run.ending != Ending::failed);
           }
         std::cout << "spacing " << rest->spacing << " m, " << scheme.name << ", dt " << dt
-                  << " s: " << processorSeconds() - before << " s" << std::endl;
+                  << " s: " << c3de::processorTime_s() - before << " s" << std::endl;
       }
   return runs;
 }

@@ -4,10 +4,10 @@
 #include <Eigen/SVD>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <iostream>
 #include <map>
 
+#include "c3de/core/platform.h"
 #include "extreme_cases.h"
 #include "mesh_body.h"
 #include "pointbased/cloud_quality.h"
@@ -132,9 +132,9 @@ Outcome goThrough(const std::shared_ptr<const RestState> &rest, const Course &co
   const double before = energy();
   double most = course.happening == Happening::falls ? body.totalMass() * 9.81 * kDrop : std::abs(before);
   std::vector<Vec3> skin;
-  const std::clock_t start = std::clock();
+  const double start = c3de::processorTime_s();
   bool goesOn = true;
-  while (goesOn && simulator.time() < duration && double(std::clock() - start) / CLOCKS_PER_SEC < seconds) {
+  while (goesOn && simulator.time() < duration && c3de::processorTime_s() - start < seconds) {
     for (int k = 0; k < 8 && goesOn; ++k) goesOn = simulator.step().has_value();
     out.finite = out.finite && finite(body);
     if (course.happening == Happening::isPulled) most = std::max(most, work(body));

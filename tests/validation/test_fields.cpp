@@ -209,9 +209,9 @@ TEST_CASE("What fields and the table of a body of 61 labels cost", "[.cost]") {
     const auto scene = scene::parseScene(
         "format = 1\n[world]\ngravity = [0, -9.81, 0]\nscan_gravity = [0, 9.81, 0]\n[[body]]\nname = \"scan\"\nvolume "
         "= \"" +
-            labels.string() + "\"\ntissues = \"known\"\nbackground = { material = \"fat\", image = \"" +
-            image.string() + "\", from = -150, to = 250 }\nmend = { largest = true }\nsampling = { count = " + count +
-            " }\n",
+            labels.generic_string() + "\"\ntissues = \"known\"\nbackground = { material = \"fat\", image = \"" +
+            image.generic_string() +
+            "\", from = -150, to = 250 }\nmend = { largest = true }\nsampling = { count = " + count + " }\n",
         "cost.toml", &session->materials());
     if (!scene) FAIL(scene.error().message);
     const ObjectRef simulator(*session->createSimulator());

@@ -2,7 +2,7 @@
 # Builds the libraries for Windows that Debian does not have for mingw-w64, from Debian's source packages.
 #   tools/windows/dependencies.sh [PREFIX]     default: build/windows/prefix
 # Archives are downloaded into PREFIX/../archives and compared with tools/windows/sources.txt. A library that is complete in
-# PREFIX is not built again; its log is PREFIX/../logs/NAME.log. Needs about 15 CPU-minutes and 2 GB.
+# PREFIX is not built again, unless its options have changed; its log is PREFIX/../logs/NAME.log. Needs about 15 CPU-minutes and 2 GB.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . tools/prepare.sh
@@ -12,15 +12,29 @@ mkdir -p "$prefix" "$prefix/../archives" "$prefix/../sources" "$prefix/../logs" 
 prefix=$(cd "$prefix" && pwd)
 work=$(dirname "$prefix")
 
+# Debian's archives among the sources of apt, in both of its formats; archives of others have no sources of these packages.
+debian_archives() {
+  {
+    { cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null || true; } | sed -n 's/^deb \(\[[^]]*\] *\)\{0,1\}//p' |
+      awk '$2 == "bookworm" && / main( |$)/ { print $1 }'
+    for file in /etc/apt/sources.list.d/*.sources; do
+      [ ! -e "$file" ] || awk 'BEGIN { RS = "" } / bookworm[ \n]/ && / main/ { for (i = 1; i < NF; ++i) if ($i == "URIs:") print $(i + 1) }' "$file"
+    done
+  } | sort -u | sed 's|^|deb-src |; s|$| bookworm main|'
+}
+
 # download PACKAGE ARCHIVE SHA256
 download() {
   local apt=$work/apt
   if [ ! -s "$work/archives/$2" ]; then
     mkdir -p "$apt/lists"
-    sed -n 's/^URIs: *//p; s/^deb \(\[[^]]*\] \)\{0,1\}\([^ ]*\) .*/\2/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null |
-      grep -v security | sort -u | sed 's|$| bookworm main|; s|^|deb-src |' >"$apt/sources.list"
+    debian_archives >"$apt/sources.list"
+    [ -s "$apt/sources.list" ] || c3de_fail "the sources of apt name no archive with bookworm main; copy $2 into $work/archives"
     set -- "$@" -o Dir::Etc::sourcelist="$apt/sources.list" -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$apt/lists"
-    [ -e "$apt/updated" ] || { apt-get "${@:4}" -qq update && touch "$apt/updated"; }
+    if [ ! -e "$apt/updated" ]; then
+      apt-get "${@:4}" -qq update || c3de_fail "apt-get cannot read the lists of $apt/sources.list; copy $2 into $work/archives"
+      touch "$apt/updated"
+    fi
     (cd "$work/archives" && apt-get "${@:4}" -qq source --download-only --tar-only "$1" 2>/dev/null) ||
       c3de_fail "$2 cannot be downloaded; copy it into $work/archives"
   fi
@@ -36,16 +50,17 @@ unpack() {
 
 sum_of() { awk -v name="$1" '$1 == name { print $3 }' "$here/sources.txt"; }
 
-# built NAME COMMAND…: once per archive.
+# built NAME COMMAND…: once per archive and command.
 built() {
-  local name=$1 stamp="$prefix/.built-$1"
+  local name=$1 stamp="$prefix/.built-$1" wanted
   shift
-  [ ! -e "$stamp" ] || return 0
+  wanted="$(sum_of "$name") $(cksum <<<"$*")"
+  [ "$(cat "$stamp" 2>/dev/null || true)" != "$wanted" ] || return 0
   c3de_watched "$name for Windows:" "$work/logs/$name.log" c3de_seconds "$@" || {
     tail -n 30 "$work/logs/$name.log" >&2
     c3de_fail "$name was not built; its log is $work/logs/$name.log"
   }
-  sum_of "$name" >"$stamp"
+  echo "$wanted" >"$stamp"
 }
 
 # with_cmake NAME OPTIONS…
@@ -85,7 +100,7 @@ with_ports() {
 
 while read -r name archive sum; do
   case $name in "" | "#"*) continue ;; esac
-  if [ ! -e "$prefix/.built-$name" ] || [ "$(cat "$prefix/.built-$name")" != "$sum" ]; then
+  if [ "$(cut -d ' ' -f 1 "$prefix/.built-$name" 2>/dev/null || true)" != "$sum" ]; then
     rm -f "$prefix/.built-$name" "$prefix/.built-ports"
     download "$name" "$archive" "$sum"
     unpack "$name" "$archive"
@@ -100,10 +115,7 @@ built meshoptimizer with_cmake meshoptimizer
 built highway with_cmake highway -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF
 built libccd with_cmake libccd -DENABLE_DOUBLE_PRECISION=ON
 # The ports are this project's own files: they are built again when one changes.
-ports=$(cat "$here"/ports/* | sha256sum)
-[ "$(cat "$prefix/.built-ports" 2>/dev/null || true)" = "$ports" ] || rm -f "$prefix/.built-ports"
-built ports with_ports
-echo "$ports" >"$prefix/.built-ports"
+built ports with_ports "$(cat "$here"/ports/* | sha256sum)"
 built openssl with_openssl
 # AABB trees only: no octrees. Eigen's alignment as on every other system (docs/dev/dependencies.md).
 built fcl with_cmake fcl -DFCL_STATIC_LIBRARY=ON -DFCL_WITH_OCTOMAP=OFF -DFCL_USE_HOST_NATIVE_ARCH=OFF -DFCL_USE_X64_SSE=OFF \
@@ -111,7 +123,8 @@ built fcl with_cmake fcl -DFCL_STATIC_LIBRARY=ON -DFCL_WITH_OCTOMAP=OFF -DFCL_US
 # Its dump of MEC_MR3 elements, which is not used, knows that Visual C++ has no iconv; mingw-w64 has none either.
 sed -i 's/^#ifndef _MSC_VER/#ifndef _WIN32/' "$work/sources/gdcm/Utilities/gdcmext/mec_mr3_io.c"
 built gdcm with_cmake gdcm -DGDCM_BUILD_SHARED_LIBS=OFF -DGDCM_BUILD_APPLICATIONS=OFF -DGDCM_BUILD_TESTING=OFF \
-  -DGDCM_DOCUMENTATION=OFF -DGDCM_BUILD_DOCBOOK_MANPAGES=OFF -DGDCM_USE_SOCKETXX=OFF -DCMAKE_CXX_FLAGS=-w -DCMAKE_C_FLAGS=-w
+  -DGDCM_DOCUMENTATION=OFF -DGDCM_BUILD_DOCBOOK_MANPAGES=OFF -DGDCM_USE_SOCKETXX=OFF -DGDCM_USE_SYSTEM_ZLIB=ON \
+  -DCMAKE_CXX_FLAGS=-w -DCMAKE_C_FLAGS=-w
 # Debian's archive has its own packages of these two instead.
 mkdir -p "$work/sources/assimp/contrib/utf8cpp"
 ln -sfn /usr/include/utf8cpp "$work/sources/assimp/contrib/utf8cpp/source"

@@ -69,7 +69,11 @@ class MeshFiles : public Assimp::IOSystem {
     const std::filesystem::path asWritten = namedFile(folder_, std::string(file));
     std::error_code code;
     if (std::filesystem::exists(asWritten, code)) return asWritten;
-    if (file.starts_with("file:")) file.remove_prefix(file.starts_with("file://") ? 7 : 5);
+    if (file.starts_with("file:")) {
+      file.remove_prefix(file.starts_with("file://") ? 7 : 5);
+      constexpr bool kHasDrives = std::filesystem::path::preferred_separator == '\\';
+      if (kHasDrives && file.size() > 2 && file[0] == '/' && file[2] == ':') file.remove_prefix(1);  // file:///C:/a.bin
+    }
     return namedFile(folder_, withoutEscapes(file));
   }
 

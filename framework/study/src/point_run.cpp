@@ -13,6 +13,7 @@
 #include "c3de/core/text.h"
 #include "c3de/session/sample_points.h"
 #include "c3de/study/first_frequency.h"
+#include "work_folder.h"
 
 namespace c3de::study {
 namespace {
@@ -178,10 +179,7 @@ std::optional<Expected<Result>> PointRun::poll() {
   const int exitCode = child_->wait(0.0).value_or(-1);
   child_.reset();
   auto result = finish(exitCode);
-  if (result) {
-    std::error_code code;
-    std::filesystem::remove_all(task_.folder, code);
-  }
+  if (result) removeWorkFolder(task_.folder);
   return result;
 }
 

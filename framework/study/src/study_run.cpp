@@ -15,6 +15,7 @@
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/study/report.h"
+#include "work_folder.h"
 
 namespace c3de::study {
 namespace {
@@ -65,7 +66,7 @@ Expected<std::vector<Skin>> skinsOf(const Study &study, const Case &one, const P
     if (!mesh) return tl::unexpected(mesh.error());
     skins.push_back({names[i], std::move(mesh->mesh)});
   }
-  std::filesystem::remove_all(work, code);
+  removeWorkFolder(work);
   return skins;
 }
 

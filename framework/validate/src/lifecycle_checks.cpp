@@ -127,9 +127,9 @@ Verdict repeated(const Trial &trial) {
     const LoadedPlugin loaded(trial, TrialHost::Serves::all);
     if (!loaded.refusal.empty()) return fail(fmt::format("is refused in cycle {}: {}", cycles + 1, loaded.refusal));
   }
+  if (residentBytes() == 0) return pass(fmt::format("{} cycles; memory is not known on this system", cycles));
   const int counted = cycles - kWarmUp;
   if (counted < kWarmUp) return warn(fmt::format("only {} cycles in 6 s; memory was not checked", cycles));
-  if (before == 0) return pass(fmt::format("{} cycles; memory is not known on this system", cycles));
   const std::uint64_t after = residentBytes();
   const std::uint64_t each = after > before ? (after - before) / static_cast<std::uint64_t>(counted) : 0;
   if (each > kMaxGrowth)

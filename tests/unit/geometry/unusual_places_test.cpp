@@ -73,13 +73,14 @@ TEST_CASE("Files that a glTF names are found by their URIs") {
   test_files::write("100%25.bin", test::gltfBuffer());
   test_files::write("h\xc3\xa9.bin", test::gltfBuffer());
   test_files::write("sub folder/in.bin", test::gltfBuffer());
+  const std::string whole = std::filesystem::absolute(folder).generic_string();
+  const std::string fileUri = (whole.starts_with('/') ? "file://" : "file:///") + whole;
   int n = 0;
   for (const std::string &uri :
        {std::string("plain.bin"), std::string("./plain.bin"), std::string("with%20blank.bin"),
         std::string("with blank.bin"), std::string("100%25.bin"), std::string("h%C3%A9.bin"),
         std::string("sub%20folder/in.bin"), std::string("sub folder\\\\in.bin"), std::string("sub%20folder%2Fin.bin"),
-        "file://" + std::filesystem::absolute(folder / "plain.bin").generic_string(),
-        "file://" + std::filesystem::absolute(folder).generic_string() + "/with%20blank.bin",
+        fileUri + "/plain.bin", fileUri + "/with%20blank.bin",
         std::string(
             "data:application/octet-stream;base64,"
             "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAAAAAAAAAAAADNzMw9AAACAAEAAAABAAMAAAADAAIAAQACAAMA")}) {

@@ -4,6 +4,10 @@
 #include <cstdlib>
 #include <new>
 
+#ifdef _WIN32
+#include <malloc.h>
+#endif
+
 #include "contact_cases.h"
 #include "pointbased/lattice.h"
 #include "shapes.h"
@@ -13,25 +17,32 @@ namespace {
 
 std::atomic<std::size_t> taken{0};
 
-void *counted(std::size_t size, std::size_t alignment) {
+void *counted(void *p) {
   ++taken;
-  // aligned_alloc requires a multiple of the alignment.
-  void *p = alignment > alignof(std::max_align_t)
-                ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
-                : std::malloc(size);
   if (!p) throw std::bad_alloc();
   return p;
 }
 
+#ifdef _WIN32  // without aligned_alloc()
+void *aligned(std::size_t size, std::size_t alignment) { return _aligned_malloc(size, alignment); }
+void freeAligned(void *p) { _aligned_free(p); }
+#else
+void *aligned(std::size_t size, std::size_t alignment) {
+  // A multiple of the alignment is required.
+  return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+void freeAligned(void *p) { std::free(p); }
+#endif
+
 }  // namespace
 
-void *operator new(std::size_t size) { return counted(size, 1); }
+void *operator new(std::size_t size) { return counted(std::malloc(size)); }
 void *operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<std::size_t>(alignment));
+  return counted(aligned(size, static_cast<std::size_t>(alignment)));
 }
 void operator delete(void *p) noexcept { std::free(p); }
 void operator delete(void *p, std::size_t) noexcept { std::free(p); }
-void operator delete(void *p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void *p, std::align_val_t) noexcept { freeAligned(p); }
 
 using namespace pointbased;
 using namespace shapes;

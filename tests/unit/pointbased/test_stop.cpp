@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
-#include <ctime>
 
+#include "c3de/core/platform.h"
 #include "contact_cases.h"
 #include "shapes.h"
 #include "support/catch.h"
@@ -28,18 +28,18 @@ class AtLook final : public StopRequest {
 class Listening final : public StopRequest {
  public:
   [[nodiscard]] bool isRaised() const noexcept override {
-    const std::clock_t now = std::clock();
+    const double now = c3de::processorTime_s();
     longest_ = std::max(longest_, now - last_);
     last_ = now;
     return false;
   }
   [[nodiscard]] double longest_s() const {
     (void)isRaised();
-    return static_cast<double>(longest_) / CLOCKS_PER_SEC;
+    return longest_;
   }
 
  private:
-  mutable std::clock_t last_ = std::clock(), longest_ = 0;
+  mutable double last_ = c3de::processorTime_s(), longest_ = 0.0;
 };
 
 /// A box that falls on the ground next to another that moves by its velocity.

@@ -189,7 +189,8 @@ class Window {
     activate("pointbased.move");
     // The panel reads a file when its name changes.
     const fs::path file = folder_ / fmt::format("implant{}.obj", ++implants_);
-    fs::copy_file(folder_ / "implant.obj", file, fs::copy_options::overwrite_existing);
+    fs::remove(file);  // with mingw-w64 copying over a file that exists fails, whatever the options
+    fs::copy_file(folder_ / "implant.obj", file);
     panel_.setText("obstacle_browse", file.string());
     frame();
     finishJobs();

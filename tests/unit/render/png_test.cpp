@@ -17,6 +17,7 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
+#define STBI_WINDOWS_UTF8
 #include <stb_image.h>
 
 using namespace c3de;

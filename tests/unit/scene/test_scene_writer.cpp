@@ -487,8 +487,8 @@ TEST_CASE("Long tables, lists and texts are written", "[writer]") {
 TEST_CASE("Files below the folder are written relative to it", "[writer]") {
   const std::filesystem::path folder = sceneFolder() / "a folder" / "Größe";
   std::filesystem::create_directories(folder);
-  std::filesystem::copy_file(sceneFolder() / "beam.obj", folder / "my beam.obj",
-                             std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::remove(folder / "my beam.obj");
+  std::filesystem::copy_file(sceneFolder() / "beam.obj", folder / "my beam.obj");
   const scene::SceneFile scene = read(
       "format = 1\n[[body]]\nmesh = \"a folder/Größe/my beam.obj\"\nmesh_unit = \"m\"\n[image]\nfile = "
       "\"block.obj\"\n");

@@ -160,7 +160,8 @@ TEST_CASE("Write the sample of this version", "[.sample]") { writeSample(testOut
 TEST_CASE("A session of format 1 that was kept is opened, and saved again with all that is in it") {
   const fs::path folder = testOutputFolder(), file = folder / "kept.c3de";
   const ScopedEnvironment home("C3DE_HOME", (folder / "home").string());
-  fs::copy_file(fs::path(C3DE_KEPT_SESSIONS) / "session-1.c3de", file, fs::copy_options::overwrite_existing);
+  fs::remove(file);
+  fs::copy_file(fs::path(C3DE_KEPT_SESSIONS) / "session-1.c3de", file);
   const auto read = readSession(file, EmbeddedContent::stays);
   if (!read) FAIL(read.error().message);
   CHECK(read->title == "Kept sample");

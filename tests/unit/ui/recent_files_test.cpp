@@ -26,8 +26,15 @@ fs::path emptyFolder(const std::string &name) {
   return folder;
 }
 
+// Entries have absolute paths, which begin with a drive on Windows.
+#ifdef _WIN32
+constexpr const char *kData = "C:/data";
+#else
+constexpr const char *kData = "/data";
+#endif
+
 RecentFile entry(const std::string &name, std::int64_t openedAt_s = 1'700'000'000) {
-  return {{fs::path("/data") / pathFromText(name)}, RecentKind::scan, "", openedAt_s};
+  return {{fs::path(kData) / pathFromText(name)}, RecentKind::scan, "", openedAt_s};
 }
 
 std::vector<std::string> namesOf(const RecentFiles::Listing &listing) {
@@ -51,7 +58,8 @@ TEST_CASE("Recent files are stored, the newest first, and are the same for anoth
   CHECK(files.read().files.empty());
   CHECK_FALSE(files.read().problem);
   CHECK_FALSE(fs::exists(folder));
-  RecentFile meshes{{"/data/heart.obj", "/data/µ \"x\"\n.stl"}, RecentKind::mesh, "cm", 1'700'000'123};
+  RecentFile meshes{
+      {fs::path(kData) / "heart.obj", fs::path(kData) / "µ \"x\"\n.stl"}, RecentKind::mesh, "cm", 1'700'000'123};
   REQUIRE_FALSE(files.add(entry("a.nii.gz")).problem);
   REQUIRE_FALSE(files.add(meshes).problem);
   REQUIRE_FALSE(files.add(entry("b.nrrd")).problem);
@@ -134,7 +142,8 @@ TEST_CASE("A damaged list that cannot be set aside stays as it is, and that is r
 TEST_CASE("A damaged list is reported and set aside, and readable entries are kept") {
   const fs::path folder = emptyFolder("damaged");
   fs::create_directories(folder);
-  const std::string good = R"({"files": ["/data/a.nii"], "kind": "scan", "opened_at": "2026-11-28T10:00:00Z"})";
+  const std::string file = R"({"files": [")" + std::string(kData) + R"(/a.nii"], "kind": )";
+  const std::string good = file + R"("scan", "opened_at": "2026-11-28T10:00:00Z"})";
   const std::pair<std::string, std::size_t> cases[] = {
       {"{\"format\": 1, \"files\": [" + good, 0},
       {"", 0},
@@ -143,12 +152,8 @@ TEST_CASE("A damaged list is reported and set aside, and readable entries are ke
       {R"({"format": 1})", 0},
       {"{\"format\": 1, \"files\": [" + good + ", {\"files\": []}]}", 1},
       {"{\"format\": 1, \"files\": [" + good + R"(, {"files": ["x"], "kind": "scan"}]})", 1},
-      {"{\"format\": 1, \"files\": [" + good +
-           R"(, {"files": ["/x"], "kind": "film", "opened_at": "2026-11-28T10:00:00Z"}]})",
-       1},
-      {"{\"format\": 1, \"files\": [" + good +
-           R"(, {"files": ["/x"], "kind": "scan", "opened_at": "2026-13-28T10:00:00Z"}]})",
-       1}};
+      {"{\"format\": 1, \"files\": [" + good + ", " + file + R"("film", "opened_at": "2026-11-28T10:00:00Z"}]})", 1},
+      {"{\"format\": 1, \"files\": [" + good + ", " + file + R"("scan", "opened_at": "2026-13-28T10:00:00Z"}]})", 1}};
   for (const auto &[text, readable] : cases) {
     CAPTURE(text);
     fs::remove(folder / "recent.damaged.json");
