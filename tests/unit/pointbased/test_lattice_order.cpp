@@ -2,12 +2,17 @@
 // Functions of second order along the edges of cut cells.
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 #include "contact_cases.h"
 #include "engine_cases.h"
+#include "forces/kernels/cell_layout.h"
+#include "forces/kernels/quadratic_layout.h"
 #include "forces/vector_forces.h"
 #include "lattice_cases.h"
 #include "support/catch.h"
+#include "vector_cases.h"
 
 using namespace lattice_cases;
 
@@ -271,60 +276,236 @@ TEST_CASE("second order: a static solution converges, and the oblique beam bends
   CHECK_THAT(tips[1], WithinRel(tips[0], 0.15));
 }
 
-TEST_CASE("second order: the kernels and the scalar engine share the cells of a body") {
-  // Cut across one axis only: most cells are whole.
-  const Vec3 half(0.047, 0.05, 0.05);
-  const LatticeBody body = filled(box(-half, half), quadratic(0.01, Mat3::Identity()));
+namespace {
+
+engine_cases::EngineCase engineCase(const LatticeBody &body) {
   engine_cases::EngineCase c;
   c.spacing = body.spacing;
   c.stabilisation = kLatticeStabilisation;
   c.stencils = body.stencils;
   c.positions = body.positions;
   for (const double v : body.volumes) c.masses.push_back(1060.0 * v);
-  const std::size_t second = c.stencils.quadratic.points.size();
-  REQUIRE((second > 0 && 2 * second < c.stencils.pointCount()));
-  const Constitution constitution = engine_cases::constitution(c, MaterialLaw::neoHookean);
-  const auto vector =
-      detail::vectorForces(c.stencils, c.positions, c.masses, constitution, Precision::doublePrecision, serialFor());
-  REQUIRE(vector);
-  const std::vector<Vec3> u = engine_cases::generalState(c), du = engine_cases::noise(c, 1.0, 4);
-  std::vector<Vec3> forces(c.phyxels()), change(c.phyxels());
-  PointHistory history;
-  (void)vector->evaluate(u, {}, {history, 0.0}, forces, serialFor());
-  vector->linearise(u, serialFor());
-  vector->differential(du, 0.0, change, serialFor());
-  const std::vector<Vec3> exact = engine_cases::evaluate(c, constitution, u).forces,
-                          exactChange = engine_cases::differential(c, constitution, u, du);
-  using engine_cases::largest, engine_cases::plus;
-  CHECK(largest(plus(forces, -1.0, exact)) < 1e-11 * largest(exact));
-  CHECK(largest(plus(change, -1.0, exactChange)) < 1e-11 * largest(exactChange));
-  const ElasticEnergy energy = vector->energy(u, history, serialFor()),
-                      scalar = engine_cases::energyAt(c, constitution, u);
-  CHECK_THAT(energy.strain, WithinRel(scalar.strain, 1e-11));
-  CHECK_THAT(energy.stabilisation, WithinRel(scalar.stabilisation, 1e-11));
+  return c;
 }
 
-// Not run by default: what an evaluation costs.
-TEST_CASE("cost of second order", "[.cost]") {
-  for (const std::size_t count : {std::size_t{3000}, std::size_t{10000}}) {
-    std::array<double, 2> seconds{}, steps{};
-    for (const LatticeOrder order : {LatticeOrder::linear, LatticeOrder::quadratic}) {
-      const auto body = obliqueBlock(order, shapes::rubber(2e4), count);
-      const auto kind = static_cast<std::size_t>(order);
-      steps[kind] = 2.0 / body->restFrequency();
-      seconds[kind] = 1e300;
-      for (int window = 0; window < 12; ++window) {
-        const auto start = std::chrono::steady_clock::now();
-        body->evaluate(0.0, 0.0, serialFor());
-        seconds[kind] =
-            std::min(seconds[kind], std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-      }
-      WARN(count << " phyxels, order " << kind << ": " << body->rest().phyxelCount() << " phyxels, "
-                 << body->rest().pointCount() << " points, " << body->rest().stencils.quadratic.points.size()
-                 << " of second order, " << 1e3 * seconds[kind] << " ms, largest step " << 1e3 * steps[kind] << " ms");
-    }
-    WARN("ratio of an evaluation " << seconds[1] / seconds[0] << ", of the step " << steps[1] / steps[0]);
+// A ball, whose cells are cut in all directions; a box that is cut across one axis only; a beam oblique to its lattice.
+std::vector<engine_cases::EngineCase> secondOrderCases() {
+  const Vec3 half(0.047, 0.05, 0.05);
+  return {engineCase(filled(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), quadratic(0.0125, Mat3::Identity()))),
+          engineCase(filled(box(-half, half), quadratic(0.01, Mat3::Identity()))), engineCase(obliqueBeam())};
+}
+
+// Some displacements, velocities and change of a case.
+struct Motion {
+  std::vector<Vec3> u, v, du;
+  explicit Motion(const engine_cases::EngineCase &c)
+      : u(engine_cases::generalState(c)), v(engine_cases::noise(c, 1.0, 6)), du(engine_cases::noise(c, 1.0, 4)) {}
+};
+
+}  // namespace
+
+TEST_CASE("second order: forces, energies and products by kernels are those of the scalar engine", "[kernels]") {
+  using engine_cases::largest, engine_cases::plus;
+  for (const engine_cases::EngineCase &c : secondOrderCases()) {
+    REQUIRE(c.stencils.quadratic.points.size() > 100);
+    const Motion at(c);
+    for (const MaterialLaw law : engine_cases::kLaws)
+      for (const double stabilisation : {0.0, kLatticeStabilisation, 0.5})
+        for (const double viscosity : {0.0, 30.0}) {
+          CAPTURE(engine_cases::nameOf(law), stabilisation, viscosity, c.phyxels());
+          Constitution constitution = engine_cases::constitution(c, law);
+          constitution.stabilisation = stabilisation;
+          constitution.materials[0].viscosity = viscosity;
+          const auto vector = detail::vectorForces(c.stencils, c.positions, c.masses, constitution,
+                                                   Precision::doublePrecision, serialFor());
+          REQUIRE(vector);
+          const std::span<const Vec3> velocities =
+              viscosity > 0.0 ? std::span<const Vec3>(at.v) : std::span<const Vec3>();
+          std::vector<Vec3> forces(c.phyxels()), change(c.phyxels());
+          PointHistory history;
+          (void)vector->evaluate(at.u, velocities, {history, 0.0}, forces, serialFor());
+          vector->linearise(at.u, serialFor());
+          vector->differential(at.du, 0.7 * viscosity, change, serialFor());
+          const engine_cases::Evaluated scalar = engine_cases::evaluate(c, constitution, at.u, {}, 0.0, velocities);
+          const std::vector<Vec3> exactChange =
+              engine_cases::differential(c, constitution, at.u, at.du, {}, 0.0, 0.7 * viscosity);
+          CHECK(largest(plus(forces, -1.0, scalar.forces)) < 1e-11 * largest(scalar.forces));
+          CHECK(largest(plus(change, -1.0, exactChange)) < 1e-11 * largest(exactChange));
+          const ElasticEnergy energy = vector->energy(at.u, history, serialFor()),
+                              exact = engine_cases::energyAt(c, constitution, at.u);
+          CHECK_THAT(energy.strain, WithinRel(exact.strain, 1e-11));
+          CHECK_THAT(energy.stabilisation, WithinRel(exact.stabilisation, 1e-11));
+        }
   }
+}
+
+TEST_CASE("second order: a uniform compression shortens the step as its law says", "[kernels]") {
+  for (const engine_cases::EngineCase &c : secondOrderCases())
+    for (const double stretch : {1.0, 0.7, 0.5}) {
+      const Constitution constitution = engine_cases::constitution(c, MaterialLaw::neoHookean);
+      const std::vector<Vec3> u = engine_cases::displaced(c, stretch * Mat3::Identity(), Vec3(0.01, 0.02, 0.0));
+      const auto vector = detail::vectorForces(c.stencils, c.positions, c.masses, constitution,
+                                               Precision::doublePrecision, serialFor());
+      REQUIRE(vector);
+      std::vector<Vec3> forces(c.phyxels());
+      PointHistory history;
+      // Every cell is stiffer by the same factor. Principal stretches that coincide have the root of round-off.
+      CHECK_THAT(vector->evaluate(u, {}, {history, 0.0}, forces, serialFor()),
+                 WithinRel(engine_cases::evaluate(c, constitution, u).ratio, 1e-6));
+    }
+}
+
+TEST_CASE("second order: all cells have a kernel", "[kernels]") {
+  const std::uint8_t suits = 1;
+  for (const engine_cases::EngineCase &c : secondOrderCases()) {
+    kernels::CellPlan plan = kernels::planCells(c.stencils, 8, {&suits, 1});
+    CHECK(plan.others.size() == c.stencils.quadratic.points.size());
+    const kernels::CellPlan second = kernels::planQuadraticCells(c.stencils, 8, {&suits, 1}, plan.others);
+    CHECK(plan.others.empty());
+    std::size_t used = 0;
+    for (const std::size_t lanes : second.used) used += lanes;
+    CHECK(used == c.stencils.quadratic.points.size());
+  }
+}
+
+TEST_CASE("second order: kernels in single precision err by round-off, and detect a NaN", "[kernels]") {
+  using engine_cases::largest, engine_cases::plus;
+  for (const engine_cases::EngineCase &c : secondOrderCases()) {
+    const Constitution constitution = engine_cases::constitution(c, MaterialLaw::neoHookean);
+    Motion at(c);
+    const auto single =
+        detail::vectorForces(c.stencils, c.positions, c.masses, constitution, Precision::singlePrecision, serialFor());
+    REQUIRE(single);
+    std::vector<Vec3> forces(c.phyxels());
+    PointHistory history;
+    (void)single->evaluate(at.u, {}, {history, 0.0}, forces, serialFor());
+    const std::vector<Vec3> exact = engine_cases::evaluate(c, constitution, at.u).forces;
+    // As test_vector_forces: 6e-8 of displacements of some spacings, over strains of 0.1.
+    CHECK(largest(plus(forces, -1.0, exact)) < 2e-5 * largest(exact));
+    at.u[at.u.size() / 2][1] = std::numeric_limits<double>::quiet_NaN();
+    CHECK(std::isnan(single->evaluate(at.u, {}, {history, 0.0}, forces, serialFor())));
+  }
+}
+
+TEST_CASE("second order: kernels give the same bits however loops are cut, and on all instruction sets", "[kernels]") {
+  const engine_cases::EngineCase c = secondOrderCases().back();
+  const Motion at(c);
+  const vector_cases::InstructionSets sets;
+  for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision})
+    for (const MaterialLaw law : engine_cases::kLaws) {
+      CAPTURE(engine_cases::nameOf(law), static_cast<int>(precision));
+      Constitution constitution = engine_cases::constitution(c, law);
+      constitution.materials[0].viscosity = 10.0;
+      const auto vector = detail::vectorForces(c.stencils, c.positions, c.masses, constitution, precision, serialFor());
+      struct Outcome {
+        std::vector<Vec3> forces, change;
+        double ratio = 0.0, strain = 0.0, modes = 0.0;
+        bool operator==(const Outcome &) const = default;
+      };
+      const auto result = [&](const ParallelFor &loop) {
+        Outcome out{std::vector<Vec3>(c.phyxels()), std::vector<Vec3>(c.phyxels())};
+        PointHistory history;
+        out.ratio = vector->evaluate(at.u, at.v, {history, 0.0}, out.forces, loop);
+        vector->linearise(at.u, loop);
+        vector->differential(at.du, 3.0, out.change, loop);
+        const ElasticEnergy energy = vector->energy(at.u, history, loop);
+        out.strain = energy.strain;
+        out.modes = energy.stabilisation;
+        return out;
+      };
+      const Outcome whole = result(serialFor());
+      CHECK(result(vector_cases::inPieces()) == whole);
+      if (sets.fused().size() < 2) continue;
+      for (const std::int64_t target : sets.fused()) {
+        sets.use(target);
+        CHECK(result(serialFor()) == whole);
+      }
+    }
+  if (sets.fused().size() < 2) c3de::test::skip("this machine has one instruction set with a fused multiply-add only");
+}
+
+// Not run by default: what evaluations, products with the tangent and steps cost, in interleaved pairs.
+TEST_CASE("cost of second order", "[.cost]") {
+  const auto timed = [](const auto &run) {
+    const auto start = std::chrono::steady_clock::now();
+    run();
+    return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  for (const std::size_t count : {std::size_t{3000}, std::size_t{10000}}) {
+    struct Kind {
+      std::unique_ptr<Simulator> simulator = std::make_unique<Simulator>();
+      std::unique_ptr<Body> body;
+      double forces = 1e300, product = 1e300, step = 1e300, stable = 0.0;
+    };
+    std::array<Kind, 2> kinds;
+    for (const LatticeOrder order : {LatticeOrder::linear, LatticeOrder::quadratic}) {
+      Kind &kind = kinds[static_cast<std::size_t>(order)];
+      kind.body = obliqueBlock(order, shapes::rubber(2e4), count);
+      kind.body->linearise(serialFor());
+      kind.stable = 2.0 / kind.body->restFrequency();
+      // One substep to a step.
+      kind.simulator->setWorld({.integrator = Integrator::explicitVerlet, .dt = 0.5 * kind.stable});
+      (void)kind.simulator->addBody(obliqueBlock(order, shapes::rubber(2e4), count));
+    }
+    std::vector<Vec3> change(kinds[1].body->rest().phyxelCount(), Vec3(1.0, 0.0, 0.0)), df(change.size());
+    for (int pair = 0; pair < 200; ++pair)
+      for (Kind &kind : kinds) {
+        const auto least = [&](double &of, const auto &run) { of = std::min(of, timed(run)); };
+        const std::span<Vec3> all = std::span(df).first(kind.body->rest().phyxelCount());
+        least(kind.forces, [&] { kind.body->evaluate(0.0, 0.0, serialFor()); });
+        least(kind.product, [&] {
+          kind.body->forceDifferential(std::span<const Vec3>(change).first(all.size()), 0.0, all, serialFor());
+        });
+        least(kind.step, [&] { REQUIRE(kind.simulator->step()); });
+      }
+    for (const Kind &kind : kinds)
+      WARN(kind.body->rest().phyxelCount()
+           << " phyxels, " << kind.body->rest().pointCount() << " points, "
+           << kind.body->rest().stencils.quadratic.points.size() << " of second order: forces " << kind.forces
+           << " ms, product " << kind.product << " ms, step " << kind.step << " ms, largest step " << 1e3 * kind.stable
+           << " ms");
+    WARN("ratios: forces " << kinds[1].forces / kinds[0].forces << ", product " << kinds[1].product / kinds[0].product
+                           << ", step " << kinds[1].step / kinds[0].step << ", largest step "
+                           << kinds[1].stable / kinds[0].stable);
+  }
+}
+
+// Not run by default: error and time of static solutions of an oblique cantilever, filling included.
+TEST_CASE("accuracy at equal time of second order", "[.cost]") {
+  const auto compliance = [](LatticeOrder order, double layers, double &seconds) {
+    const auto start = std::chrono::steady_clock::now();
+    Simulator simulator;
+    simulator.setWorld({.integrator = Integrator::quasiStatic});
+    BodyRecipe recipe;
+    recipe.sampling = quadratic(0.04 / layers, oblique());
+    recipe.sampling.order = order;
+    recipe.fixes = {{HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()}}};
+    recipe.loads = {{.region = HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()}, .force = Vec3(0, 0, -1e-3)}};
+    Material material = shapes::rubber(1e4);
+    material.law = MaterialLaw::linear;
+    const std::size_t id = simulator.addBody(
+        shapes::makeBody(shapes::restState(box(Vec3(0, -0.02, -0.02), Vec3(0.2, 0.02, 0.02)), recipe), {material}));
+    while (!simulator.finished()) REQUIRE(simulator.step());
+    seconds = std::min(seconds, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const auto energy = simulator.diagnostics().energy(id);
+    return std::pair(energy.elastic + energy.stabilisation, simulator.body(id)->rest().phyxelCount());
+  };
+  double ignored = 1e300;
+  const double exact = compliance(LatticeOrder::quadratic, 10.0, ignored).first;
+  struct Try {
+    LatticeOrder order;
+    double layers, seconds = 1e300, energy = 0.0;
+    std::size_t phyxels = 0;
+  };
+  std::vector<Try> tries;
+  for (const double layers : {3.0, 4.0, 5.0, 6.0, 8.0}) tries.push_back({LatticeOrder::linear, layers});
+  for (const double layers : {3.0, 4.0, 5.0}) tries.push_back({LatticeOrder::quadratic, layers});
+  for (int round = 0; round < 2; ++round)
+    for (Try &one : tries) std::tie(one.energy, one.phyxels) = compliance(one.order, one.layers, one.seconds);
+  for (const Try &one : tries)
+    WARN("order " << static_cast<int>(one.order) << ", " << one.layers << " layers, " << one.phyxels
+                  << " phyxels: " << 1e3 * one.seconds << " ms, error of the compliance "
+                  << 100.0 * (one.energy / exact - 1.0) << " %");
 }
 
 TEST_CASE("second order: jitter is refused") {

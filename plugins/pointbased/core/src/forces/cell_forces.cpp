@@ -9,6 +9,8 @@
 #include "forces/kernels/cell_history_kernel.h"
 #include "forces/kernels/cell_kernel.h"
 #include "forces/kernels/cell_tangent_kernel.h"
+#include "forces/kernels/quadratic_kernel.h"
+#include "forces/kernels/quadratic_layout.h"
 #include "forces/laminate.h"
 #include "forces/relaxing_hourglass.h"
 #include "forces/vector_forces_parts.h"
@@ -104,11 +106,13 @@ class CellHistories {
 template <class T>
 class CellForces final : public VectorForces {
  public:
+  /// @param second  cells with functions of second order
   CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
-             const Constitution &constitution, const CellPlan &plan, Laminates laminates,
+             const Constitution &constitution, const CellPlan &plan, const CellPlan &second, Laminates laminates,
              const ParallelFor &parallelFor)
       : stencils_(stencils), masses_(masses), constitution_(constitution), laminates_(std::move(laminates)),
-        cells_(sliceCells<T>(stencils, plan, parallelFor, laminates_)), laws_(lawsOf<T>(constitution)),
+        cells_(sliceCells<T>(stencils, plan, parallelFor, laminates_)),
+        second_(sliceQuadraticCells<T>(stencils, second, parallelFor)), laws_(lawsOf<T>(constitution)),
         memories_(constitution, plan), fallback_(stencils, positions, constitution_, plan.others),
         turned_(stencils.axes != Mat3::Identity()) {
     laminates_.modes = {};
@@ -130,6 +134,9 @@ class CellForces final : public VectorForces {
       }
       cellForces(job, scalar, begin, end);
     });
+    forQuadraticChunks(job, parallelFor, [&](const CellJob<T> &second, std::size_t begin, std::size_t end) {
+      quadraticForces(second, second_, scalar, begin, end);
+    });
     if (!fallback_.empty()) {
       (void)fallback_.evaluate(u, v, step, parallelFor);
       takeOthers(true);
@@ -141,7 +148,7 @@ class CellForces final : public VectorForces {
 
   [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const PointHistory &history,
                                      const ParallelFor &parallelFor) override {
-    energies_.resize(2 * cells_.count());
+    energies_.resize(2 * (cells_.count() + second_.cells.count()));
     const CellJob<T> job = this->job(u);
     const ScalarLaw scalar = scalarLaw(constitution_);
     const HistoryJob memory = memories_.any() ? memories_.energyJob(constitution_, history) : HistoryJob();
@@ -151,8 +158,11 @@ class CellForces final : public VectorForces {
       }
       cellEnergies(job, scalar, begin, end);
     });
+    forQuadraticChunks(job, parallelFor, [&](const CellJob<T> &second, std::size_t begin, std::size_t end) {
+      quadraticEnergies(second, second_, scalar, begin, end);
+    });
     ElasticEnergy sum = fallback_.empty() ? ElasticEnergy() : fallback_.energy(u, history);
-    for (std::size_t slice = 0; slice < cells_.count(); ++slice) {
+    for (std::size_t slice = 0; slice < energies_.size() / 2; ++slice) {
       sum.strain += energies_[2 * slice];
       sum.stabilisation += energies_[2 * slice + 1];
     }
@@ -160,11 +170,14 @@ class CellForces final : public VectorForces {
   }
 
   void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
-    tangents_.resize(cells_.count() * kTangentNumbers * kLanes<T>);
+    tangents_.resize(quadraticTangent() + second_.cells.count() * kQuadraticTangentNumbers * kLanes<T>);
     laminateTangents_.resize(cells_.laminateNumbers.size() / kLaminateNumbers * kLaminateTangentNumbers);
     const CellJob<T> job = this->job(u);
     const ScalarLaw scalar = scalarLaw(constitution_);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellTangents(job, scalar, begin, end); });
+    forQuadraticChunks(job, parallelFor, [&](const CellJob<T> &second, std::size_t begin, std::size_t end) {
+      quadraticTangents(second, second_, scalar, begin, end);
+    });
     if (!fallback_.empty()) fallback_.linearise(u, parallelFor);
   }
 
@@ -174,6 +187,9 @@ class CellForces final : public VectorForces {
     job.viscousScale = static_cast<T>(viscousScale);
     const ScalarLaw scalar = scalarLaw(constitution_);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
+    forQuadraticChunks(job, parallelFor, [&](const CellJob<T> &second, std::size_t begin, std::size_t end) {
+      quadraticProducts(second, second_, scalar, begin, end);
+    });
     if (!fallback_.empty()) {
       fallback_.differential(du, viscousScale, parallelFor);
       takeOthers(false);
@@ -217,11 +233,27 @@ class CellForces final : public VectorForces {
     runLoop(parallelFor, cells_.chunks(), 1, body);
   }
 
+  // Calls body(job, begin, end) for the chunks of cells of second order.
+  template <class Body>
+  void forQuadraticChunks(CellJob<T> job, const ParallelFor &parallelFor, const Body &body) {
+    if (second_.cells.chunks() == 0) return;
+    job.cells = &second_.cells;
+    job.partials += 4 * cells_.phyxels.size();
+    job.tangents = tangents_.data() + (tangents_.empty() ? 0 : quadraticTangent());
+    job.energies = energies_.data() + (energies_.empty() ? 0 : 2 * cells_.count());
+    runLoop(parallelFor, second_.cells.chunks(), 1, [&](std::size_t begin, std::size_t end) { body(job, begin, end); });
+  }
+  [[nodiscard]] std::size_t quadraticTangent() const { return cells_.count() * kTangentNumbers * kLanes<T>; }
+  /// Partials of all chunks.
+  [[nodiscard]] std::size_t ofChunks() const { return cells_.phyxels.size() + second_.cells.phyxels.size(); }
+
   // Partials that every phyxel sums, ascending: first those of chunks, then entries of other points.
   void layRows(std::size_t phyxels) {
-    const std::size_t own = cells_.phyxels.size(), all = own + fallback_.entries().size();
+    const std::size_t trilinear = cells_.phyxels.size(), own = ofChunks(), all = own + fallback_.entries().size();
     const auto phyxelOf = [&](std::size_t place) {
-      return place < own ? cells_.phyxels[place] : stencils_.phyxels.indices[fallback_.entries()[place - own]];
+      return place < trilinear ? cells_.phyxels[place]
+             : place < own     ? second_.cells.phyxels[place - trilinear]
+                               : stencils_.phyxels.indices[fallback_.entries()[place - own]];
     };
     rows_.offsets.assign(phyxels + 1, 0);
     for (std::size_t place = 0; place < all; ++place) ++rows_.offsets[phyxelOf(place) + 1];
@@ -249,7 +281,7 @@ class CellForces final : public VectorForces {
 
   // Copies the forces of the other points to their slots, and their stiffness.
   void takeOthers(bool stiffness) {
-    T *out = partials_.data() + 4 * cells_.phyxels.size();
+    T *out = partials_.data() + 4 * ofChunks();
     for (std::size_t k = 0; k < fallback_.entries().size(); ++k) {
       const Vec3 f = stencils_.axes.transpose() * fallback_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
@@ -287,6 +319,7 @@ class CellForces final : public VectorForces {
   const Constitution constitution_;
   Laminates laminates_;  // without modes, which are part of the slices
   CellSlices<T> cells_;
+  QuadraticSlices<T> second_;
   std::vector<LawNumbers<T>> laws_;
   CellHistories memories_;
   ScalarFallback fallback_;
@@ -294,9 +327,9 @@ class CellForces final : public VectorForces {
   Csr rows_;                      // [phyxels] indices into partials_
   AlignedVector<T> partials_;     // [partials][4]
   double stiffnessAtRest_ = 0.0;  // largest of all phyxels over their mass, 1/s²
-  AlignedVector<T> tangents_;     // for differential(); empty before
+  AlignedVector<T> tangents_;     // for differential(), first of cells_, then of second_; empty before
   AlignedVector<T> laminateTangents_;
-  std::vector<double> energies_;  // [slices][2]; empty before
+  std::vector<double> energies_;  // [slices of cells_, then of second_][2]; empty before
 };
 
 }  // namespace
@@ -308,13 +341,16 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision && !constitution.hasHistory();  // reason: see HistoryJob
   Laminates laminates = findLaminates(stencils, constitution);
-  const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor, laminates);
+  const std::size_t lanes = single ? kLanes<float> : kLanes<double>;
+  CellPlan plan = planCells(stencils, lanes, suits, parallelFor, laminates), second;
+  // The kernels of second order do not support history.
+  if (!constitution.hasHistory()) second = planQuadraticCells(stencils, lanes, suits, plan.others);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
   if (single)
-    return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan, std::move(laminates),
-                                               parallelFor);
-  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan, std::move(laminates),
-                                              parallelFor);
+    return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan, second,
+                                               std::move(laminates), parallelFor);
+  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan, second,
+                                              std::move(laminates), parallelFor);
 }
 
 }  // namespace pointbased::detail

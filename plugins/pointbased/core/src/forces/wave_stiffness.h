@@ -12,7 +12,8 @@ namespace pointbased::detail {
 /// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels at rest, N/m; divided by the masses, approximately the square of the local
 /// frequencies.
 /// @param isByCorners  for a point whose cell has hanging corners: |g|² of the corners, distributed by their weights,
-///                     as in the kernels; otherwise from the rows of its stencil
+///                     and for one of second order: |g|² of the trilinear functions of its corners, as in the kernels;
+///                     otherwise from the rows of its stencil
 template <class IsByCorners>
 [[nodiscard]] std::vector<double> waveStiffnesses(const Constitution &constitution, const StencilSet &s,
                                                   std::size_t phyxels, const ParallelFor &parallelFor,
@@ -29,6 +30,13 @@ template <class IsByCorners>
         const double ofCorner = stiffness * gradients[j].squaredNorm();
         s.hanging.visit(point->corners[j], [&](Index phyxel, double weight) { sums[phyxel] += weight * ofCorner; });
       }
+      continue;
+    }
+    if (const QuadraticPoints::Point *point = s.quadratic.find(q); point != nullptr && isByCorners(q)) {
+      std::array<Vec3, 8> gradients;
+      cellGradients(point->corners, s.axes, gradients);
+      for (std::size_t j = 0; j < gradients.size(); ++j)
+        sums[s.phyxels.row(q)[j]] += stiffness * gradients[j].squaredNorm();
       continue;
     }
     const GradientRows gradients(s, q);

@@ -117,7 +117,8 @@ void addLaminates(const StencilSet &s, std::span<const Index> points, std::size_
 
 std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s, std::size_t q) {
   const HangingCells::Point *hanging = s.hanging.find(q);
-  const auto shape = hanging != nullptr ? hanging->shape : findShape(s, q);
+  const QuadraticPoints::Point *quadratic = s.quadratic.find(q);
+  const auto shape = hanging != nullptr ? hanging->shape : quadratic != nullptr ? quadratic->corners : findShape(s, q);
   if (!shape) return {};
   if (hanging != nullptr && s.phyxels.row(q).size() > kMaxOfCell) return {};
   std::array<double, kCellNumbers> n{};
@@ -148,7 +149,8 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
     look();
     const std::size_t material = s.materials.empty() ? 0 : s.materials[q];
-    const auto numbers = suits[material] != 0 ? cellNumbers(s, q) : std::nullopt;
+    const bool isTrilinear = s.quadratic.find(q) == nullptr;
+    const auto numbers = isTrilinear && suits[material] != 0 ? cellNumbers(s, q) : std::nullopt;
     if (numbers) {
       byMaterial[material].push_back(static_cast<Index>(q));
       whole[q] = isWhole(*numbers) ? 1 : 0;
@@ -164,14 +166,18 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
       const auto cut = std::stable_partition(begin, end, [&](Index q) { return whole[q] != 0; });
       std::stable_partition(cut, end, [&](Index q) { return laminates.at(q) == nullptr; });
     }
-    for (std::size_t first = 0; first < points.size(); first += lanes) {
-      const std::size_t used = std::min(lanes, points.size() - first);
-      for (std::size_t lane = 0; lane < lanes; ++lane) plan.points.push_back(points[first + std::min(lane, used - 1)]);
-      plan.used.push_back(used);
-      plan.materials.push_back(static_cast<std::uint16_t>(m));
-    }
+    addSlices(points, static_cast<std::uint16_t>(m), lanes, plan);
   }
   return plan;
+}
+
+void addSlices(std::span<const Index> points, std::uint16_t material, std::size_t lanes, CellPlan &plan) {
+  for (std::size_t first = 0; first < points.size(); first += lanes) {
+    const std::size_t used = std::min(lanes, points.size() - first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) plan.points.push_back(points[first + std::min(lane, used - 1)]);
+    plan.used.push_back(used);
+    plan.materials.push_back(material);
+  }
 }
 
 namespace {

@@ -12,8 +12,8 @@
 namespace pointbased::kernels {
 
 /// Numbers of one point, in the order of CellNumber, if its stencil consists of the eight corners of a cell: gradients
-/// are means of those of the trilinear functions, mode rows are multiples of the products of signs. Empty if
-/// findShape() finds no shape and no corner hangs.
+/// are means of those of the trilinear functions, mode rows are multiples of the products of signs. Of a point with
+/// functions of second order those of its corners alone. Empty if findShape() finds no shape and no corner hangs.
 [[nodiscard]] std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &stencils, std::size_t q);
 
 /// Points arranged in slices.
@@ -21,15 +21,18 @@ struct CellPlan {
   std::vector<Index> points;             ///< [slices][lanes] point of each lane; the last one of a slice is repeated
   std::vector<std::size_t> used;         ///< [slices] lanes that represent a point
   std::vector<std::uint16_t> materials;  ///< [slices]
-  std::vector<Index> others;             ///< points that are not cells, ascending
+  std::vector<Index> others;             ///< points that are not such cells, ascending
 };
 
-/// Cells by material, in the order of the points, which follows a space-filling curve. Within a chunk, whole cells come
+/// Cells with trilinear functions by material, in the order of the points, which follows a space-filling curve. Within a chunk, whole cells come
 /// first, because they are all alike.
 /// @param suits  per material: whether the kernels support it
 /// @param laminates  points that have one are grouped
 [[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits,
                                  const ParallelFor &parallelFor = serialFor(), const detail::Laminates &laminates = {});
+
+/// Adds points of one material to a plan.
+void addSlices(std::span<const Index> points, std::uint16_t material, std::size_t lanes, CellPlan &plan);
 
 template <class T>
 [[nodiscard]] CellSlices<T> sliceCells(const StencilSet &stencils, const CellPlan &plan,
