@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -259,6 +260,21 @@ std::vector<double> errorsOf(const Organ &organ, const Truth &truth, const Surfa
   std::vector<double> out;
   for (std::size_t i = 0; i < u.size(); ++i)
     out.push_back((result.motion.of(truth.references[i] + u[i]) - truth.positions[i]).norm());
+  return out;
+}
+
+std::vector<double> expectedErrorsOf(const Organ &organ, const Truth &truth, const SurfaceMatchResult &result) {
+  const auto rest = restOf(organ, organ.spacing);
+  std::vector<Vec3> local = truth.references;
+  for (Vec3 &x : local) x -= rest->origin;
+  const Interpolation at = rest->bind(local, {});
+  std::vector<double> out(local.size(), std::numeric_limits<double>::quiet_NaN());
+  if (result.expectedErrors.empty()) return out;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = 0.0;
+    for (Index e = at.phyxels.offsets[i]; e < at.phyxels.offsets[i + 1]; ++e)
+      out[i] += at.weights[e] * result.expectedErrors[at.phyxels.indices[e]];
+  }
   return out;
 }
 

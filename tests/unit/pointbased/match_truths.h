@@ -44,6 +44,9 @@ struct Truth {
 [[nodiscard]] std::unique_ptr<Body> bodyOf(const Organ &organ, double stiffness);
 /// m, at the points inside: of a result, or of its rigid motion alone.
 [[nodiscard]] std::vector<double> errorsOf(const Organ &organ, const Truth &truth, const SurfaceMatchResult &result);
+/// m, at the same points; NaN: not known.
+[[nodiscard]] std::vector<double> expectedErrorsOf(const Organ &organ, const Truth &truth,
+                                                   const SurfaceMatchResult &result);
 [[nodiscard]] std::vector<double> rigidErrorsOf(const Truth &truth, const SurfaceMatchResult &result);
 [[nodiscard]] double meanOf(const std::vector<double> &values);
 

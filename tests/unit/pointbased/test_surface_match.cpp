@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inverse problem on truths: what a partly seen, noisy surface says about the inside of a deformed body.
 #include <cmath>
+#include <cstdio>
+#include <ctime>
 #include <limits>
 #include <random>
 
 #include "c3de/core/thread_pool.h"
 #include "match_truths.h"
+#include "matching/load_estimate.h"
+#include "matching/load_patterns.h"
 #include "matching/match_springs.h"
 #include "matching/skin_distance.h"
 #include "pointbased/integrators.h"
@@ -50,6 +54,26 @@ SurfaceMatchResult found(SurfaceMatch &match, const Truth &truth, const SurfaceM
   return std::move(*result);
 }
 
+struct Calibration {
+  double expected = 0.0;             // m, mean
+  double within = 0.0, below = 0.0;  // shares of points whose error is within a factor of 1.5, and at most 1.5 times it
+  double unknown = 0.0;
+};
+
+Calibration calibrationOf(const Organ &organ, const Truth &truth, const SurfaceMatchResult &result) {
+  const std::vector<double> errors = errorsOf(organ, truth, result);
+  const std::vector<double> expected = expectedErrorsOf(organ, truth, result);
+  Calibration out;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const double ratio = errors[i] / expected[i], share = 1.0 / static_cast<double>(errors.size());
+    out.expected += share * expected[i];
+    if (ratio < 1.5) out.below += share;
+    if (ratio < 1.5 && ratio > 1.0 / 1.5) out.within += share;
+  }
+  for (const std::uint8_t one : result.isUnknown) out.unknown += one / static_cast<double>(result.isUnknown.size());
+  return out;
+}
+
 // Errors of an organ under all loads, with a modulus that is wrong by a factor.
 void checkTargets(const std::string &name, double stiffness, double most, double part) {
   const Organ organ = organNamed(name);
@@ -77,6 +101,38 @@ TEST_CASE("the inside of a held beam is found within 2 mm and a quarter of the e
 // That error is 12 to 20 mm, under loads of which some are on the side that is not seen.
 TEST_CASE("the inside of the shipped organ is found within 28 per cent of the error without deformation", "[match]") {
   checkTargets("organ", 2.0, 5e-3, 0.28);
+}
+
+// Prints the tables of docs/theory/inverse.md: test_inverse "[.errors]"
+TEST_CASE("Errors of matches with a given and with an unknown position", "[.errors]") {
+  const char *name = GENERATE("beam", "ellipsoid", "organ");
+  const double stiffness = GENERATE(2.0, 0.5);
+  DYNAMIC_SECTION(name << " " << stiffness) {
+    const Organ organ = organNamed(name);
+    SurfaceMatch match = matchFor(organ, stiffness);
+    for (int load = 0; load < kLoads; ++load) {
+      const Truth truth = truthOf(organ, load, kPoints, kNoise);
+      for (const bool isKnown : {true, false}) {
+        SurfaceMatchSettings settings = inFrameOf(truth);
+        settings.isMotionKnown = isKnown;
+        if (!isKnown) settings.start = MatchMotion();
+        match.reset();
+        const std::clock_t begin = std::clock();
+        const SurfaceMatchResult result = found(match, truth, settings);
+        const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+        const double rigid = meanOf(rigidErrorsOf(truth, result)), error = meanOf(errorsOf(organ, truth, result));
+        const Calibration of = calibrationOf(organ, truth, result);
+        std::printf(
+            "%-9s E x %.1f load %d %-7s rigid %5.2f mm, match %5.2f mm (%3.0f %%), expected %5.2f mm; points "
+            "within a factor 1.5: %3.0f %%, below 1.5: %3.0f %%, unknown %3.0f %%; distance %.2f mm; "
+            "%d iterations, %.1f s%s\n",
+            name, stiffness, load, isKnown ? "given" : "unknown", 1e3 * rigid, 1e3 * error, 100.0 * error / rigid,
+            1e3 * of.expected, 100.0 * of.within, 100.0 * of.below, 100.0 * of.unknown, 1e3 * result.distance,
+            result.iterations, seconds, result.stiffness > 0.0 ? ", springs" : "");
+        std::fflush(stdout);
+      }
+    }
+  }
 }
 
 TEST_CASE("the forces found hold the body in the shape found", "[match]") {
@@ -208,6 +264,58 @@ TEST_CASE("the closest point of a skin does not depend on the guess", "[match]")
     // Seen from the opposite side there is another one, or none.
     const detail::ClosestSkinPoint back = distance.closest(x, -found.normal, 0.1, found.triangle);
     CHECK((back.triangle == detail::ClosestSkinPoint::kNone || back.normal.dot(found.normal) < 0.0));
+  }
+}
+
+TEST_CASE("loads are estimated as their prior and the measurements say", "[match]") {
+  // One load, measured directly and often; a motion that the second half of the measurements shows alone.
+  constexpr Eigen::Index n = 400;
+  constexpr double sigma = 1e-3, load = 3e-2, shift = 5e-3;
+  detail::LinearMeasurements rows;
+  rows.A = Eigen::MatrixXd::Zero(n, 2);
+  rows.C = Eigen::MatrixXd::Zero(n, 6);
+  rows.A.col(0).head(n / 2).setOnes();
+  rows.C.col(3).setOnes();
+  rows.weights = Eigen::VectorXd::Constant(n, 1.0 / (sigma * sigma));
+  shapes::Random random{4};
+  rows.d = load * rows.A.col(0) + shift * rows.C.col(3);
+  for (Eigen::Index i = 0; i < n; ++i) rows.d[i] += sigma * std::sqrt(3.0) * random.vector()[0];
+  const detail::LoadEstimate found = detail::estimateLoads(rows, Eigen::VectorXd::Ones(6), 1e-3, 1e-1);
+  const double expected = sigma * std::sqrt(4.0 / n);  // difference of two means
+  CHECK(std::abs(found.loads[0] - load) < 4.0 * expected);
+  CHECK(std::abs(found.motion[3] - shift) < 4.0 * expected);
+  CHECK(std::abs(std::sqrt(found.covariance(0, 0)) / expected - 1.0) < 0.05);
+  // Nothing was measured of the second load: it keeps its prior.
+  CHECK(std::abs(found.loads[1]) < 1e-12);
+  CHECK(std::abs(found.covariance(1, 1) / found.priorVariance - 1.0) < 1e-9);
+  CHECK(std::sqrt(found.priorVariance) > 0.3 * load);
+}
+
+TEST_CASE("uniform stresses have no resultant, and a body force is uniform", "[match]") {
+  const auto body = bodyOf(organNamed("ellipsoid"), 1.0);
+  const RestState &rest = body->rest();
+  const detail::LoadPatterns patterns(rest);
+  std::vector<Vec3> forces(rest.phyxelCount());
+  double area = 0.0;
+  for (std::size_t p = patterns.count() - 9; p < patterns.count(); ++p) {
+    patterns.forces(p, forces);
+    Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+    double sizes = 0.0;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      sum += forces[i];
+      moment += rest.positions[i].cross(forces[i]);
+      sizes += forces[i].norm();
+    }
+    CAPTURE(p, sizes);
+    CHECK(sizes > 0.0);
+    if (p < patterns.count() - 6) {
+      area = sizes;
+      CHECK(std::abs(sum.norm() - sizes) < 1e-9 * sizes);
+    } else {
+      CHECK(sum.norm() < 1e-9 * sizes);
+      CHECK(moment.norm() < 1e-9 * sizes);
+      CHECK(sizes < 6.0 * area);
+    }
   }
 }
 

@@ -46,8 +46,8 @@ struct SurfaceMatchSettings {
   MatchMotion start;               ///< rigid motion from which the match starts
   bool isMotionKnown = false;      ///< `start` is exact and remains
   double largestAngle_deg = 75.0;  ///< 0 … 180: between the normals of a point and of the skin near it
-  int maxIterations = 40;          ///< >= 1
-  /// Whether expectedErrors and isUnknown are found, at 84 linear solves with the tangent, 90 with an unknown motion.
+  int maxIterations = 40;          ///< >= 1, of the loads, and as many of the springs
+  /// Whether expectedErrors and isUnknown are found; where springs act at 84 linear solves with the tangent.
   bool findsExpectedErrors = true;
   const StopRequest *stop = nullptr;
   /// Called in each iteration on the calling thread; false: cancelled.
@@ -63,38 +63,37 @@ struct SurfaceMatchResult {
   std::vector<double> weights;         ///< [points] 0 … 1: 0: an outlier
   std::vector<double> landmarkErrors;  ///< [landmarks] m
   double distanceAtStart = 0.0, distanceRigid = 0.0, distance = 0.0;  ///< m, root mean square by robust weights
-  /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage and
-  /// regularisation, computed at some points of the body and interpolated between them; errors of the model are not
-  /// included. Empty: not requested, or the equilibrium is not stable.
+  /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion
+  /// and the loads that are expected a priori; errors of the material are not included. Empty: not requested, or the equilibrium is not stable.
   std::vector<double> expectedErrors;
   std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement says hardly anything about it
   double usedPart = 0.0;                ///< part of the points with a weight above a half
   int iterations = 0;                   ///< rounds of closest points
-  double stiffness = 0.0;               ///< N/m, τ/σ² of a point
+  double stiffness = 0.0;               ///< N/m, τ/σ² of a point; 0: loads alone explain the distances
   bool hasConverged = false;
 };
 
-/// The inverse problem of a partly seen surface: finds nodal forces f near the measured surface and the rigid motion
-/// (R, t) after which the skin of the body in equilibrium meets measured points and landmarks.
+/// The inverse problem of a partly seen surface: finds loads f and the rigid motion (R, t) after which the skin of the
+/// body in equilibrium meets measured points and landmarks.
 ///
-///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  W(u) / τ    with u in equilibrium with f
+///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²)    with u in equilibrium with Σ q_p B_p
 ///
-/// W is the energy of the deformed body and its supports (for small strains ½ f · K^-1 f), so that small and smooth
-/// forces are preferred, and tissue on which nothing was measured remains free. At the minimum f are the forces of
-/// springs of the stiffness τ/σ² between the points and the skin; Newton's method solves for u with these springs. The
-/// motion follows in the same step, by the Schur complement of the joint Hessian: six adjoint solves. Closest points,
-/// normals and the weights w (Huber's, in the end Tukey's) are found anew in each iteration. τ increases from a value
-/// at which hardly anything deforms until the distances are those of the noise. The size of Young's modulus cancels in
-/// τ.
+/// The loads B_p are smooth tractions around sites of the skin, a uniform body force, and the tractions of uniform
+/// stresses. Their size s is unknown; results are means over it by the marginal likelihood, so that the size of Young's
+/// modulus cancels. Amplitudes q and motion follow together from a Gauss-Newton step. Closest points, normals and the
+/// weights w (Huber's, in the end Tukey's) are found anew in each iteration.
 ///
-/// Limitation: an unknown motion is first fitted as rigid and keeps the part of the deformation that it represents.
-/// If a tracked frame or bone determines the motion, pass it.
+/// Where smooth loads leave distances above the noise, springs between points and skin follow, of a stiffness τ/σ² that
+/// increases until the distances are those of the noise. They also replace the loads if these have no equilibrium.
+///
+/// Limitation: if the motion is unknown, only the deformation of the seen part is measured. That of other parts is
+/// expected from it and has large expected errors. If a tracked frame or bone determines the motion, pass it.
 ///
 /// The body keeps its fixes and loads; materials respond without flow and relaxation. Not for clinical use.
 /// @threads one at a time; bitwise identical for any number behind parallelFor
-/// @source  Morozov, Methods for Solving Incorrectly Posed Problems, 1984 (discrepancy principle); Huber, Robust
-///          Statistics, 1981; Tortorelli and Michaleris 1994 (adjoint); Tarantola, Inverse Problem Theory, 2005, ch. 3
-///          (covariance of the result)
+/// @source  MacKay, Bayesian interpolation, Neural Computation 4, 1992 (size of the loads); Morozov, Methods for Solving
+///          Incorrectly Posed Problems, 1984 (discrepancy principle); Huber, Robust Statistics, 1981; Tarantola, Inverse
+///          Problem Theory, 2005, ch. 3 (covariance of the result)
 class SurfaceMatch {
  public:
   /// Errors: no skin; a foundation that validate() refuses; nothing holds the body (a fix, or a foundation with both

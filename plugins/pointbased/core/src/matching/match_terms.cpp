@@ -169,4 +169,48 @@ void MatchTerms::springs(double stiffness, MatchSprings &out) const {
   }
 }
 
+void MatchTerms::linearise(double scale, LinearMeasurements &out) const {
+  const auto rows = static_cast<Eigen::Index>(points_.size() + 3 * landmarks_.size());
+  out.d = out.weights = Eigen::VectorXd::Zero(rows);
+  out.C = Eigen::MatrixXd::Zero(rows, settings_.isMotionKnown ? 0 : 6);
+  const bool hasMotion = !settings_.isMotionKnown;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const double sigma = scale * noiseOf(i), weight = weights_[i] / (sigma * sigma);
+    if (!(weight > 0.0)) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    if (i < points_.size()) {
+      const Vec3 &normal = closest_[i].normal;
+      out.d[row] = normal.dot(residuals_[i]);
+      out.weights[row] = weight;
+      if (hasMotion) out.C.row(row) = normal.transpose() * motionColumns(closest_[i].position);
+      continue;
+    }
+    const std::size_t l = i - points_.size();
+    const Eigen::Index first = row + 2 * static_cast<Eigen::Index>(l);
+    out.d.segment<3>(first) = residuals_[i];
+    out.weights.segment<3>(first).setConstant(weight);
+    if (hasMotion) out.C.middleRows<3>(first) = motionColumns(landmarkPositions_[l]);
+  }
+}
+
+void MatchTerms::observe(std::span<const Vec3> displacements, Eigen::Ref<Eigen::VectorXd> out) const {
+  const auto at = [&](const Interpolation &binding, std::size_t p) {
+    Vec3 sum = Vec3::Zero();
+    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
+      sum += binding.weights[e] * displacements[binding.phyxels.indices[e]];
+    return sum;
+  };
+  out.setZero();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (!(weights_[i] > 0.0)) continue;
+    Vec3 moved = Vec3::Zero();
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      moved += closest_[i].weights[static_cast<Eigen::Index>(corner)] *
+               at(binding_, rest_.skin[closest_[i].triangle][corner]);
+    out[static_cast<Eigen::Index>(i)] = closest_[i].normal.dot(moved);
+  }
+  for (std::size_t l = 0; l < landmarks_.size(); ++l)
+    out.segment<3>(static_cast<Eigen::Index>(points_.size() + 3 * l)) = at(bound_, l);
+}
+
 }  // namespace pointbased::detail

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "matching/load_estimate.h"
 #include "matching/match_springs.h"
 #include "matching/skin_distance.h"
 #include "pointbased/surface_match.h"
@@ -35,6 +36,11 @@ class MatchTerms {
   /// Springs between the measurements and the points of the body that are closest now, across the surface.
   /// @param stiffness  N/m, of a point with the weight 1; a landmark has it in relation to its noise
   void springs(double stiffness, MatchSprings &out) const;
+  /// Distances of points across the surface, and three components per landmark: residuals as `d`, weights and C.
+  /// @param scale  of the noise
+  void linearise(double scale, LinearMeasurements &out) const;
+  /// Their change by displacements of the phyxels, m.
+  void observe(std::span<const Vec3> displacements, Eigen::Ref<Eigen::VectorXd> out) const;
   [[nodiscard]] std::span<const ClosestSkinPoint> closest() const { return closest_; }
   [[nodiscard]] std::span<const double> weights() const { return weights_; }  ///< [points, landmarks]
   [[nodiscard]] double distanceOf(std::size_t i) const;                       ///< m; infinite: no part faces it

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/number_text.h"
+#include "matching/load_match.h"
 #include "matching/match_springs.h"
 #include "matching/match_terms.h"
 #include "pointbased/integrators.h"
@@ -92,6 +93,8 @@ struct SurfaceMatch::Impl {
   NewtonSolver newton;
   detail::TangentSolver tangent;
   double stiffness = 0.0;  // N/m, of the springs of the last match; 0: none
+  std::optional<detail::LoadPatterns> patterns;
+  Eigen::VectorXd loads;  // Pa, amplitudes of the patterns
 
   [[nodiscard]] Environment environment(const StopRequest *stop) {
     Environment out;
@@ -99,6 +102,12 @@ struct SurfaceMatch::Impl {
     out.clock = &clock;
     out.stop = stop;
     return out;
+  }
+  void setLoads(const Eigen::VectorXd &to) {
+    loads = to;
+    std::vector<Vec3> forces;
+    if (!loads.isZero(0.0)) forces = patterns->sum(loads);
+    body->swapExternalForces(forces);
   }
   [[nodiscard]] Result<void> findEquilibrium(const StopRequest *stop) {
     body->quasiStatic = true;
@@ -137,10 +146,13 @@ class Iterations {
     if (!settings_.isMotionKnown && isFirst) alignRigidly();
     out_.distanceRigid = terms_.distance();
     out_.rigid = motion_;
+    if (auto done = fitLoads(); !done) return tl::unexpected(done.error());
+    if (isExplained_) return finish();
     stiffness_ = isFirst ? kFirstStiffness * unit_ : of_.stiffness;
     isStiff_ = !isFirst;
+    out_.hasConverged = false;
     for (int k = 1; k <= settings_.maxIterations && !out_.hasConverged; ++k) {
-      out_.iterations = k;
+      ++out_.iterations;
       if (settings_.progress && !settings_.progress({k, settings_.maxIterations, terms_.distance(), u(), motion_}))
         return tl::unexpected(std::string("cancelled"));
       if (auto done = iterate(); !done) return tl::unexpected(done.error());
@@ -152,6 +164,32 @@ class Iterations {
  private:
   [[nodiscard]] std::vector<Vec3> &u() { return of_.body->state().displacements; }
   void weigh() { terms_.weigh(loss_, terms_.spread()); }
+
+  // Smooth loads and the motion. Springs follow only where these do not explain the measurement.
+  Result<void> fitLoads() {
+    const std::vector<Vec3> before = u();
+    const Eigen::VectorXd loadsBefore = of_.loads;
+    const MatchMotion motionBefore = motion_;
+    detail::LoadMatch loads(*of_.body, of_.newton, environment_, *of_.patterns, terms_, settings_);
+    if (auto done = loads.run(of_.loads, motion_); !done) {
+      if (done.error() == "cancelled") return done;
+      u() = before;
+      of_.setLoads(loadsBefore);
+      motion_ = motionBefore;
+      of_.newton.forget();
+      terms_.evaluate(u(), motion_);
+      weigh();
+      return {};
+    }
+    out_.iterations = loads.iterations();
+    out_.hasConverged = loads.hasConverged();
+    loss_ = RobustLoss::tukey;
+    hasLoads_ = true;
+    isExplained_ = terms_.misfit() <= kAsNoise;
+    if (settings_.findsExpectedErrors) variances_ = loads.variances(of_.loads);
+    return {};
+  }
+  [[nodiscard]] bool isMotionKnown() const { return settings_.isMotionKnown || hasLoads_; }
 
   static void addPrior(Matrix6 &hessian, double stiffness, double noise) {
     const double scale = stiffness * noise * noise;
@@ -205,7 +243,7 @@ class Iterations {
     {
       MatchPotential potential(*of_.body, environment_, stage_, springs_, from_);
       if (auto done = solve(potential, kLooseTolerance * of_.body->rest().spacing); !done) return done;
-      if (!settings_.isMotionKnown)
+      if (!isMotionKnown())
         if (auto done = moveBody(potential); !done) return done;
     }
     terms_.evaluate(u(), motion_);
@@ -286,12 +324,10 @@ class Iterations {
     if (auto done = solve(potential, 0.0); !done) return tl::unexpected(done.error());
     out_.forces.assign(u().size(), Vec3::Zero());
     springs_.addForces(potential.since(), out_.forces);
+    const std::span<const Vec3> loads = of_.body->externalForces();
+    for (std::size_t i = 0; i < loads.size(); ++i) out_.forces[i] += loads[i];
     out_.displacements = u();
-    if (settings_.findsExpectedErrors)
-      if (!findExpectedErrors(potential)) {
-        out_.expectedErrors.clear();
-        out_.isUnknown.clear();
-      }
+    if (settings_.findsExpectedErrors) findExpectedErrors(potential);
     terms_.evaluate(u(), motion_);
     weigh();
     out_.distance = terms_.distance();
@@ -330,12 +366,32 @@ class Iterations {
     return sum;
   }
 
+  // Of the loads; of the springs, where these act. None if either is not known.
+  void findExpectedErrors(MatchPotential &potential) {
+    detail::LoadMatch::Variances ofSprings;
+    if (!isExplained_ && !findVariances(potential, ofSprings)) return;
+    if (hasLoads_ && variances_.posterior.empty()) return;
+    const std::size_t n = u().size();
+    variances_.posterior.resize(n, 0.0);
+    variances_.prior.resize(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      double error = variances_.posterior[i], before = variances_.prior[i];
+      if (!isExplained_) {
+        error = std::max(error, ofSprings.posterior[i]);
+        before = std::max(before, ofSprings.prior[i]);
+      }
+      const double expected = std::sqrt(error);
+      out_.expectedErrors.push_back(expected);
+      out_.isUnknown.push_back(expected > 2.0 * settings_.noise && expected > kUnknown * std::sqrt(before) ? 1 : 0);
+    }
+  }
+
   // Covariance τ H^-1 of the joint unknowns, and of the body alone without measurements.
-  Result<void> findExpectedErrors(MatchPotential &potential) {
+  Result<void> findVariances(MatchPotential &potential, detail::LoadMatch::Variances &found) {
     const double temperature = stiffness_ * settings_.noise * settings_.noise;  // J
     Vector6 unused;
     Matrix6 hessian = Matrix6::Identity();
-    if (!settings_.isMotionKnown)
+    if (!isMotionKnown())
       if (auto done = reducedHessian(potential, unused, hessian); !done) return done;
     const Eigen::LLT<Matrix6> motion(hessian);
     const MatchSprings none;
@@ -361,7 +417,7 @@ class Iterations {
     };
     auto own = variance(potential, of_.tangent);
     if (!own) return tl::unexpected(own.error());
-    if (!settings_.isMotionKnown)
+    if (!isMotionKnown())
       for (std::size_t k = 0; k < at.count(); ++k) {
         MatchSprings::Columns columns = terms_.motionColumns(at.positions[k] + valueAt(at, k, shape));
         for (std::size_t a = 0; a < 6; ++a) columns.col(static_cast<Eigen::Index>(a)) -= valueAt(at, k, responses_[a]);
@@ -372,12 +428,13 @@ class Iterations {
     detail::TangentSolver fresh;
     auto spread = variance(alone, fresh);
     if (!spread) return tl::unexpected(spread.error());
-    interpolate(at, *own, *spread);
+    interpolate(at, *own, *spread, found);
     return {};
   }
 
   // Between sites, by their distance (Shepard).
-  void interpolate(const Interpolation &at, std::span<const double> own, std::span<const double> spread) {
+  void interpolate(const Interpolation &at, std::span<const double> own, std::span<const double> spread,
+                   detail::LoadMatch::Variances &found) {
     const RestState &rest = of_.body->rest();
     for (const Vec3 &X : rest.positions) {
       double sum = 0.0, error = 0.0, before = 0.0;
@@ -388,10 +445,8 @@ class Iterations {
         error += w * own[k];
         before += w * spread[k];
       }
-      const double expected = std::sqrt(error / sum);
-      out_.expectedErrors.push_back(expected);
-      out_.isUnknown.push_back(expected > 2.0 * settings_.noise && expected > kUnknown * std::sqrt(before / sum) ? 1
-                                                                                                                 : 0);
+      found.posterior.push_back(error / sum);
+      found.prior.push_back(before / sum);
     }
   }
 
@@ -403,12 +458,14 @@ class Iterations {
   MatchTerms terms_;
   MatchSprings springs_;
   MatchMotion motion_;
-  std::vector<Vec3> from_;                      // m, where the springs were made
-  std::array<std::vector<Vec3>, 6> responses_;  // m per unit of the motion
-  double unit_ = 0.0, stiffness_ = 0.0;         // N/m
-  double lastDistance_ = 0.0;                   // m, of the iteration before
-  int still_ = 0;                               // iterations in which it has hardly changed
-  bool isStiff_ = false;                        // the stiffness has its last value
+  std::vector<Vec3> from_;                       // m, where the springs were made
+  std::array<std::vector<Vec3>, 6> responses_;   // m per unit of the motion
+  double unit_ = 0.0, stiffness_ = 0.0;          // N/m
+  double lastDistance_ = 0.0;                    // m, of the iteration before
+  int still_ = 0;                                // iterations in which it has hardly changed
+  bool isStiff_ = false;                         // the stiffness has its last value
+  bool hasLoads_ = false, isExplained_ = false;  // loads were found; and they explain the measurement within the noise
+  detail::LoadMatch::Variances variances_;       // of the loads
   RobustLoss loss_ = RobustLoss::huber;
   SurfaceMatchResult out_;
 };
@@ -437,6 +494,8 @@ Result<SurfaceMatch> SurfaceMatch::create(std::shared_ptr<const RestState> rest,
   if (!impl->body->held() && !foundation.holds())
     return tl::unexpected(
         std::string("nothing holds the body; a fix or a foundation with normal and tangential stiffness is required"));
+  impl->patterns.emplace(impl->body->rest());
+  impl->loads = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(impl->patterns->count()));
   try {
     if (auto done = impl->findEquilibrium(stop); !done) return tl::unexpected(done.error());
   } catch (const Stopped &) {
@@ -450,6 +509,7 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
                                                const SurfaceMatchSettings &settings) {
   if (std::string why = problemOf(points, landmarks, settings); !why.empty()) return tl::unexpected(std::move(why));
   const std::vector<Vec3> before = impl_->body->state().displacements;
+  const Eigen::VectorXd loads = impl_->loads;
   std::string why;
   try {
     auto found = Iterations<Impl>(*impl_, points, landmarks, settings).run();
@@ -458,6 +518,7 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
   } catch (const Stopped &) {
     why = "cancelled";
   }
+  impl_->setLoads(loads);
   impl_->body->state().displacements = before;
   impl_->newton.forget();
   impl_->tangent.forget();
@@ -466,6 +527,7 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
 
 void SurfaceMatch::reset() {
   impl_->stiffness = 0.0;
+  impl_->setLoads(Eigen::VectorXd::Zero(impl_->loads.size()));
   impl_->body->reset();
   impl_->newton.forget();
   impl_->tangent.forget();

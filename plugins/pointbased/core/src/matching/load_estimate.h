@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bayesian estimate of loads from measurements that depend linearly on them. Private to the core.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace pointbased::detail {
+
+/// Measurements d = A q + C m + noise: q amplitudes of loads, m a motion.
+struct LinearMeasurements {
+  Eigen::MatrixXd A;        ///< [rows, loads] m/Pa
+  Eigen::MatrixXd C;        ///< [rows, 6], or [rows, 0]: the motion is known
+  Eigen::VectorXd d;        ///< [rows] m
+  Eigen::VectorXd weights;  ///< [rows] 1/m², inverse variances
+};
+
+struct LoadEstimate {
+  Eigen::VectorXd loads;             ///< Pa
+  Eigen::VectorXd motion;            ///< [6], or empty
+  Eigen::MatrixXd covariance;        ///< of the loads, Pa²
+  Eigen::MatrixXd motionByLoads;     ///< [6, loads]: change of the motion with the loads
+  Eigen::MatrixXd motionCovariance;  ///< [6, 6], for given loads
+  double priorVariance = 0.0;        ///< Pa², of a load before the measurement
+};
+
+/// Normal prior q ~ N(0, s² I), with s unknown between bounds and its logarithm uniform: results are means over s by
+/// the marginal likelihood
+///
+///     ln p(d | s) = -½ Σ ln(1 + s² λ_j) + ½ Σ s² b_j² / (1 + s² λ_j) + const
+///
+/// with the eigenvalues λ of the normal matrix from which the motion was eliminated, and b its right side.
+/// @param smallest, largest  m: root mean square of A q over the rows for the bounds of s
+/// @param motionPrior  [6] inverse variances
+/// @source  MacKay, Bayesian interpolation, Neural Computation 4, 1992 (evidence); Tarantola, Inverse Problem Theory,
+///          2005, ch. 3
+[[nodiscard]] LoadEstimate estimateLoads(const LinearMeasurements &from, const Eigen::VectorXd &motionPrior,
+                                         double smallest, double largest);
+
+}  // namespace pointbased::detail
