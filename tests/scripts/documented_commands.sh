@@ -172,7 +172,7 @@ run_it() {
   if [ "$wanted" -eq 0 ]; then
     text=$(shortened "$text")
     # A window is not opened: that there is no display is said when arguments and files have been found right.
-    if [[ $text =~ bin/c3de($|\ ) && ! $text =~ bin/c3de\ (run|replay|match|info|plugins|new-plugin|study|--version)($|\ ) ]]; then wanted=6; fi
+    if [[ $text =~ bin/c3de($|\ ) && ! $text =~ bin/c3de\ (run|replay|match|fit|info|plugins|new-plugin|study|--version)($|\ ) ]]; then wanted=6; fi
   fi
   (
     cd "$tree" && env -u DISPLAY -u WAYLAND_DISPLAY C3DE_HOME="$place/home" PATH="$tree/build/release/bin:$PATH" \

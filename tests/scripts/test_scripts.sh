@@ -345,7 +345,7 @@ case $machine in
       [ ! -s "$place/out" ] && [ "$(grep -c '' "$place/err")" -eq 1 ] || fail "$arguments: one line on stderr was expected"
       [ ! -s "$state/log" ] || fail "$arguments: nothing was to be called"
     done <<'EOF'
-2 rnu => 'rnu' is neither a command nor a file; commands: run replay match info materials parameters plugins study new-plugin python-path completion help version
+2 rnu => 'rnu' is neither a command nor a file; commands: run replay match fit info materials parameters plugins study new-plugin python-path completion help version
 2 --frobnicate => '--frobnicate' is not accepted here; see ./run --help
 2 run => SCENE is required; see ./run run --help
 2 run a.toml --untill 1 => '--untill' is not accepted here; see ./run run --help

@@ -15,7 +15,9 @@
 #include <vector>
 
 #include "c3de/abi/iface/conditions.h"
+#include "c3de/core/vec.h"
 #include "c3de/embed.h"
+#include "c3de/geometry/triangle_mesh.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/live_parameters.h"
 #include "c3de/session/report.h"
@@ -91,6 +93,15 @@ class EmbeddedSimulation {
   /// @param what  C3DE_EMBED_IMAGE, C3DE_EMBED_LABELS
   [[nodiscard]] Result<std::shared_ptr<const WarpedImage>> warp(std::uint32_t what, const ProgressFn &progress);
 
+  /// @return  `match` of a report
+  [[nodiscard]] Result<const char *> match(std::uint64_t body, const c3de_embed_match_options &options,
+                                           const ProgressFn &progress);
+  /// @return  `fit` of a report
+  [[nodiscard]] Result<const char *> fit(std::uint64_t body, const c3de_embed_fit_options &options,
+                                         const ProgressFn &progress);
+  [[nodiscard]] Result<const char *> sensitivity(std::uint64_t body, const double *objective, std::uint64_t points,
+                                                 double *forces);
+
   /// @param hashEvery  0: chosen automatically
   [[nodiscard]] Result<void> record(const std::filesystem::path &file, std::uint64_t hashEvery);
   [[nodiscard]] Result<void> endRecording();
@@ -153,6 +164,8 @@ class EmbeddedSimulation {
   [[nodiscard]] Result<void> fill(const BodyEntry &body, std::uint32_t on, const Described &field, double *data,
                                   std::uint64_t rows);
   [[nodiscard]] Result<c3de_embed_array> trianglesOf(const BodyEntry &body);
+  /// The skin at rest, mm.
+  [[nodiscard]] Result<geometry::TriangleMesh> restSkinOf(const BodyEntry &body);
   [[nodiscard]] Result<const c3de_conditions_v0 *> conditions();
   [[nodiscard]] Result<std::string> simulatorReport();
   /// Strings returned to callers, kept until closing.
@@ -188,6 +201,12 @@ class EmbeddedSimulation {
   std::set<std::string, std::less<>> interned_;
   /// Callers have them until the state changes: made once for each.
   std::optional<std::string> events_, report_;
+  std::string inverse_;  ///< of the last match, fit or sensitivity
+  struct LastMatch {
+    std::uint64_t body = 0;
+    Mat4 measuredFromBody = kIdentity4;
+  };
+  std::optional<LastMatch> lastMatch_;  ///< none: there is none, or it cannot be continued
 };
 
 }  // namespace c3de::embed

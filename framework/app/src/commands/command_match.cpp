@@ -6,6 +6,7 @@
 #include "commands/command_line.h"
 #include "commands/commands.h"
 #include "commands/exit_code.h"
+#include "commands/match_frames.h"
 #include "commands/match_scene.h"
 #include "commands/standard_streams.h"
 
@@ -18,9 +19,12 @@ int run(const MatchOptions &arguments, const CommandLine &line) {
   options.run.session = line.sessionOptions();
   options.run.meshUnit = line.unit;
   StandardOutputFile output;
-  if (const auto taken = output.take({{"--report", &options.run.report}, {"--residuals", &options.residuals}}); !taken)
+  if (const auto taken = output.take({{"--report", &options.run.report},
+                                      {"--residuals", &options.residuals},
+                                      {"--frame-table", &options.frameTable}});
+      !taken)
     return reportError(taken.error());
-  const int exitCode = matchScene(options);
+  const int exitCode = options.frames.empty() ? matchScene(options) : matchFrames(options);
   if (const auto printed = output.print(); !printed) return reportError(printed.error());
   return exitCode;
 }
@@ -74,6 +78,24 @@ void declareMatchedState(CLI::App &app, MatchOptions &options) {
           "Write scene and matched state; the window and `c3de run FILE.c3de` continue from it");
 }
 
+/// A sequence, after everything else has been declared.
+void declareFrames(CLI::App &app, MatchOptions &options) {
+  CLI::Option *frames = addFile(
+      app, "--frames", options.frames, "PATH",
+      "A sequence of points: a folder of tables in the order of their names, or a CSV with the columns frame or "
+      "time_s, and x, y, z. Each frame starts from the one before");
+  addFile(app, "--frame-table", options.frameTable, "FILE.csv",
+          "With --frames: write residual, motion and time of each frame; - prints them")
+      ->needs(frames);
+  addFile(app, "--timeline", options.run.exportList, "FILE.pvd",
+          "With --frames: write the body at each frame for ParaView, without the rigid motion")
+      ->needs(frames);
+  for (const char *other :
+       {"--surface", "--points", "--labels", "--label", "--landmarks", "--target-landmarks", "--use", "--weight",
+        "--residuals", "--export-surface", "--export-image", "--export-labels", "--export-displacement"})
+    frames->excludes(app.get_option(other));
+}
+
 Handler declareMatch(CLI::App &app, CommandLine &line) {
   const auto options = std::make_shared<MatchOptions>();
   app.add_option_function<std::string>(
@@ -93,12 +115,14 @@ Handler declareMatch(CLI::App &app, CommandLine &line) {
   addFile(app, "--export-surface", options->run.exportSurface, "FILE",
           "Write the skin of the matched body where it was measured (obj, stl, ply, vtp)");
   declareMatchedState(app, *options);
+  declareFrames(app, *options);
   addUnit(app, line);
   addSessionOptions(app, line);
   app.footer(
       "Examples:\n"
       "    c3de match SCENE.toml --report r.json                  # a scene with [match]\n"
       "    c3de match SCENE.toml --points points.csv --noise 2\n"
+      "    c3de match SCENE.toml --frames points --frame-table - # a folder of frames, one table each\n"
       "    c3de match SCENE.toml --labels followup.nii.gz --label 1 --target-landmarks targets.csv\n"
       "Not for clinical use.");
   return [options, &line] { return run(*options, line); };

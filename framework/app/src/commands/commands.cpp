@@ -4,10 +4,10 @@
 namespace c3de::app {
 namespace {
 
-constexpr const Command *kCommands[]{&kRunCommand,       &kReplayCommand,     &kMatchCommand,      &kInfoCommand,
-                                     &kMaterialsCommand, &kParametersCommand, &kPluginsCommand,    &kStudyCommand,
-                                     &kNewPluginCommand, &kPythonPathCommand, &kCompletionCommand, &kManualCommand,
-                                     &kHelpCommand,      &kVersionCommand};
+constexpr const Command *kCommands[]{&kRunCommand,    &kReplayCommand,    &kMatchCommand,      &kFitCommand,
+                                     &kInfoCommand,   &kMaterialsCommand, &kParametersCommand, &kPluginsCommand,
+                                     &kStudyCommand,  &kNewPluginCommand, &kPythonPathCommand, &kCompletionCommand,
+                                     &kManualCommand, &kHelpCommand,      &kVersionCommand};
 
 }  // namespace
 

@@ -29,8 +29,8 @@ struct Command {
 };
 
 extern const Command kRunCommand, kReplayCommand, kInfoCommand, kMaterialsCommand, kParametersCommand, kPluginsCommand,
-    kNewPluginCommand, kStudyCommand, kMatchCommand, kPythonPathCommand, kCompletionCommand, kManualCommand,
-    kHelpCommand, kVersionCommand;
+    kNewPluginCommand, kStudyCommand, kMatchCommand, kFitCommand, kPythonPathCommand, kCompletionCommand,
+    kManualCommand, kHelpCommand, kVersionCommand;
 
 /// The program without a sub-command: opens a window.
 [[nodiscard]] Handler declareWorkstation(CLI::App &app, CommandLine &line);

@@ -19,6 +19,8 @@ struct MatchOptions {
   std::optional<double> noise_mm, weight;
   bool isRigid = false;             ///< no deformation
   std::filesystem::path residuals;  ///< empty: not requested
+  /// A sequence in place of surface, points and labels (matchFrames()), and its table; empty: none
+  std::filesystem::path frames, frameTable;
 };
 
 /// Brings a body of a scene to what was measured and prints the result. Returns the exit code: kFailed where the motion

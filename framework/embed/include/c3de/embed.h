@@ -25,7 +25,7 @@
 #endif
 
 /* Grows by 1 with every addition; functions and members are never removed. */
-#define C3DE_EMBED_REV 2u
+#define C3DE_EMBED_REV 3u
 
 typedef uint64_t c3de_sim; /* 0: none */
 
@@ -377,5 +377,70 @@ typedef struct c3de_embed_replay_state {
  * step. C3DE_E_STATE: the simulation is of no recording. out: may be null. */
 C3DE_EMBED_API c3de_status c3de_embed_replay(c3de_sim sim, const c3de_embed_run_options *options,
                                              c3de_embed_replay_state *out);
+
+/* ---- revision 3: measurements (not for clinical use) ---- */
+
+#define C3DE_EMBED_MATCH_IN_PLACE 1u   /* the position is given: no rigid motion is sought, and none is found */
+#define C3DE_EMBED_MATCH_RIGID_ONLY 2u /* the body is not deformed */
+#define C3DE_EMBED_MATCH_FIT 4u        /* landmarks take part in the fit; otherwise they only evaluate the result */
+/* Starts from motion and deformation of the last match of this simulation and body, as for the next frame of a sequence:
+ * no rigid search is made. Without an earlier one that can be used, it has no effect. */
+#define C3DE_EMBED_MATCH_CONTINUE 8u
+
+/* What was measured of the surface of a body; either points or a file. */
+typedef struct c3de_embed_match_options {
+  uint32_t size;
+  uint32_t flags;         /* C3DE_EMBED_MATCH_* */
+  const double *points_m; /* [points_n][3] */
+  const double *normals;  /* [points_n][3]; null: not measured. Used by the rigid search, without their sign */
+  uint64_t points_n;
+  const char *points_file;   /* null, or a CSV x,y,z in mm, or fiducials of 3D Slicer, as `c3de match --points` */
+  const double *landmarks_m; /* [landmarks_n][3], in the body at rest */
+  const double *measured_m;  /* [landmarks_n][3], where they were measured */
+  const char *const *names;  /* [landmarks_n], or null: "1", "2", ... */
+  uint64_t landmarks_n;
+  double noise_m;               /* > 0: standard deviation of a point; 0: 1 mm */
+  double landmark_weight;       /* points that a fitted landmark counts as in the rigid search; 0: 10 */
+  c3de_embed_progress progress; /* may be null */
+  void *progress_self;
+} c3de_embed_match_options;
+
+/* Brings a body to what was measured. The simulation is then in the matched state, held by the forces that were found,
+ * if `verdict` is found, unexplained or given. json: `match` of the report of `c3de match`, lengths in mm.
+ * C3DE_E_NOT_FOUND: there is no such body; C3DE_E_ARG: a value is refused; C3DE_E_FORMAT: the file is unreadable, or the
+ * points cannot be used; C3DE_E_UNSUPPORTED: the simulator matches no bodies; C3DE_E_CANCELLED. Nothing has changed after
+ * a failure. */
+C3DE_EMBED_API c3de_status c3de_embed_match(c3de_sim sim, uint64_t body, const c3de_embed_match_options *options,
+                                            const char **json);
+
+#define C3DE_EMBED_FIT_WATCHED 1u /* watched_m is set */
+
+/* A measured loading curve, in its order; either arrays or a file. Either one [[fix]] of the scene moves, and its
+ * reaction was measured, or one [[load]] acts, and the displacement of a material point was. */
+typedef struct c3de_embed_fit_options {
+  uint32_t size;
+  uint32_t flags;                /* C3DE_EMBED_FIT_WATCHED */
+  const double *displacements_m; /* [points_n] */
+  const double *forces_N;        /* [points_n] */
+  uint64_t points_n;
+  const char *curve_file;       /* null, or a CSV with displacement_mm and force_N, as `c3de fit --curve` */
+  double watched_m[3];          /* with a load: reference position of the material point */
+  double noise;                 /* standard deviation of what was measured, N or m; 0: not known */
+  c3de_embed_progress progress; /* may be null */
+  void *progress_self;
+} c3de_embed_fit_options;
+
+/* Fits the Young's moduli of a body; the simulation does not change. json: `fit` of the report of `c3de fit`.
+ * C3DE_E_FORMAT: a value of the curve or the scene is refused; otherwise errors as for c3de_embed_match(). */
+C3DE_EMBED_API c3de_status c3de_embed_fit(c3de_sim sim, uint64_t body, const c3de_embed_fit_options *options,
+                                          const char **json);
+
+/* Derivatives of an objective at the present static solution by the adjoint method. objective: [points_n][3], derivative
+ * with respect to the displacement of each material point (1/m times its unit). forces: [points_n][3], with respect to a
+ * force on each (1/N). json: object with `supports` (`fix`, `displacement` per m, `rotation` per rad about `centre_m`),
+ * `foundation` (`stiffness`, `tangential`, per Pa/m) and `moduli` (`material`, `value` per Pa). C3DE_E_STATE: the solution
+ * is not static, or has contact or flow, which are not differentiated. */
+C3DE_EMBED_API c3de_status c3de_embed_sensitivity(c3de_sim sim, uint64_t body, const double *objective,
+                                                  uint64_t points_n, double *forces, const char **json);
 
 #endif

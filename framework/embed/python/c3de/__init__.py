@@ -9,6 +9,7 @@ Units are SI: m, kg, s, N, Pa. For example::
         u = sim.body("liver").points.field("displacement")   # (n, 3), m
 
 open() and Scene make a Simulation; its bodies have points, a surface and fields. sweep() simulates with many values.
+match() brings a body to measured points, fit() finds its stiffness from a measured curve.
 Simulation.picture() draws, Simulation.show() opens the window.
 
 Arrays need numpy (Debian package python3-numpy); everything else works without it. Errors are c3de.Error with the text
@@ -18,6 +19,7 @@ of the program. Any thread may call; calls to the same simulation are serialised
 from ._bodies import Body, Hold, PointSet, Surface
 from ._conditions import Condition
 from ._images import Label, WarpedImage
+from ._inverse import Fit, Match, Modulus, Sensitivity, SupportSensitivity, fit, match
 from ._library import Error, version
 from ._pictures import Window, program
 from ._recording import Recording, Replayed, replay
@@ -27,6 +29,6 @@ from ._simulation import Event, Parameter, Simulation, Status, open
 from ._sweep import SweepRow, sweep
 
 __version__ = version()
-__all__ = ["Body", "Condition", "Error", "Event", "Hold", "Label", "Parameter", "PointSet", "Recording", "Replayed",
-           "Scene", "Simulation", "Status", "Surface", "SweepRow", "WarpedImage", "Window", "open", "program", "replay",
-           "resource", "sweep", "version"]
+__all__ = ["Body", "Condition", "Error", "Event", "Fit", "Hold", "Label", "Match", "Modulus", "Parameter", "PointSet",
+           "Recording", "Replayed", "Scene", "Sensitivity", "Simulation", "Status", "SupportSensitivity", "Surface",
+           "SweepRow", "WarpedImage", "Window", "fit", "match", "open", "program", "replay", "resource", "sweep", "version"]

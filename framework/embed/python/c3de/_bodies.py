@@ -2,16 +2,17 @@
 """Bodies, their points and surfaces, and what holds them."""
 
 import ctypes as c
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
-from . import _library as _l
+from . import _inverse, _library as _l
 from ._conditions import Box, Condition, add as _add
 from ._library import check, lib
-from ._values import _copy, _vector
+from ._values import Path, _copy, _vector
 
 if TYPE_CHECKING:
     import numpy
 
+    from ._inverse import Fit, Match, Pairs, Points, Sensitivity
     from ._simulation import Simulation
 
 
@@ -107,6 +108,60 @@ class Body:
         """Moves a part of the surface by `displacement` (m, magnitude up to 1) from where it is now, at constant
         velocity during `ramp`; the part and errors as for add_force()."""
         return _add(self, _l.DISPLACEMENT, vector=displacement, box=box, vertices=vertices, ramp=ramp, name=name)
+
+    def match(self, points: Union["Points", Path], *, normals: Optional["Points"] = None,
+              landmarks: Optional["Pairs"] = None, use: str = "judge", noise: float = 1e-3, rigid_first: bool = True,
+              deform: bool = True, weight: float = 10.0, follow: bool = False,
+              progress: Union[bool, Callable[[float, str], Any]] = False) -> "Match":
+        """Brings the body to points measured on its surface: by a rigid motion, then by a deformation. The simulation is
+        then in the matched state and continues from it.
+
+        - points: (n, 3), m; or a file as of `c3de match --points`, in mm
+        - normals: (n, 3), where they were measured; their sign has no meaning
+        - landmarks: by name, the position in the body at rest and where it was measured, m
+        - use: "fit", landmarks take part in the fit; "judge", they only evaluate the result
+        - noise: standard deviation of a point, m, above 0
+        - rigid_first: False: the position is given, and the body only deforms
+        - deform: False: the rigid motion only
+        - weight: points that a fitted landmark counts as in the rigid search
+        - follow: start from the last match of this body, as for the next frame of a sequence
+        - progress: True for a bar, or f(fraction, text), which returns False to cancel. Ctrl-C cancels
+
+        Raises Error: kind "argument" or "format", points or a value are refused; "unsupported", the simulator matches
+        no bodies; "cancelled". Nothing has changed then.
+        """
+        return _inverse.match_body(self, points, normals=normals, landmarks=landmarks, use=use, noise=noise,
+                                   rigid_first=rigid_first, deform=deform, weight=weight, follow=follow,
+                                   progress=progress)
+
+    def fit(self, displacement: Union[Sequence[float], "numpy.ndarray", Path],
+            force: Optional[Union[Sequence[float], "numpy.ndarray"]] = None, *, at: Optional[Sequence[float]] = None,
+            noise: float = 0.0, progress: Union[bool, Callable[[float, str], Any]] = False) -> "Fit":
+        """Fits the Young's modulus of the body, or those of its tissues, to a measured force-displacement curve. The
+        simulation does not change: set sim["body.NAME.youngs_modulus"] to use the result.
+
+        The scene prescribes either the displacement of one [[fix]], whose reaction was measured, or one force, and then
+        the displacement of a material point was measured. Both are components along the prescribed one.
+
+        - displacement: m, of the loading, in order; or a file as of `c3de fit --curve`, in mm
+        - force: N
+        - at: with a force: reference position of the material point, m
+        - noise: standard deviation of what was measured, N or m; 0: not known
+        - progress: as of match()
+
+        Raises Error: kind "format", the curve or the scene is refused; "unsupported", "cancelled" as match().
+        """
+        return _inverse.fit_body(self, displacement, force, at=at, noise=noise, progress=progress)
+
+    def sensitivity(self, objective: "Points") -> "Sensitivity":
+        """Derivatives of an objective at the present static solution, all by one linear solve (adjoint method).
+
+        objective: (n, 3), its derivative with respect to the displacement of each material point, for example
+        2 (u - u_measured) of a sum of squares.
+
+        Raises Error: kind "argument", another shape; "state", the solution is not static, or has contact or flow.
+        """
+        return _inverse.sensitivity_of(self, objective)
 
     def __repr__(self) -> str:
         info = self._info()

@@ -23,6 +23,8 @@ AT_REST = 1
 IMAGE, LABELS = 1, 2
 VOXEL_TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64")  # from 1 on
 REPLAY_END = 1
+MATCH_IN_PLACE, MATCH_RIGID_ONLY, MATCH_FIT, MATCH_CONTINUE = 1, 2, 4, 8
+FIT_WATCHED = 1
 NUMBER, INTEGER, BOOL, CHOICE, TEXT, VECTOR = 1, 2, 3, 4, 5, 6
 U32, F64 = 5, 2
 
@@ -145,6 +147,21 @@ class ReplayStruct(_Sized):
                 ("remark", c.c_char_p)]
 
 
+class MatchOptions(_Sized):
+    _fields_ = [("size", c.c_uint32), ("flags", c.c_uint32), ("points_m", c.c_void_p), ("normals", c.c_void_p),
+                ("points_n", c.c_uint64), ("points_file", c.c_char_p), ("landmarks_m", c.c_void_p),
+                ("measured_m", c.c_void_p), ("names", c.POINTER(c.c_char_p)), ("landmarks_n", c.c_uint64),
+                ("noise_m", c.c_double), ("landmark_weight", c.c_double), ("progress", PROGRESS),
+                ("progress_self", c.c_void_p)]
+
+
+class FitOptions(_Sized):
+    _fields_ = [("size", c.c_uint32), ("flags", c.c_uint32), ("displacements_m", c.c_void_p),
+                ("forces_N", c.c_void_p), ("points_n", c.c_uint64), ("curve_file", c.c_char_p),
+                ("watched_m", c.c_double * 3), ("noise", c.c_double), ("progress", PROGRESS),
+                ("progress_self", c.c_void_p)]
+
+
 def _candidates() -> List[str]:
     given = os.environ.get("C3DE_LIBRARY")
     if given:
@@ -178,6 +195,8 @@ def _declare(library: c.CDLL) -> None:
         "image_label": [u64, u64, u64, c.POINTER(LabelStruct)], "image_save": [u64, text], "image_close": [u64],
         "record": [sim, text, u64], "end_recording": [sim],
         "replay": [sim, c.POINTER(RunOptions), c.POINTER(ReplayStruct)],
+        "match": [sim, u64, c.POINTER(MatchOptions), texts], "fit": [sim, u64, c.POINTER(FitOptions), texts],
+        "sensitivity": [sim, u64, c.c_void_p, u64, c.c_void_p, texts],
     }
     for name, arguments in signatures.items():
         function = getattr(library, "c3de_embed_" + name)
@@ -199,8 +218,8 @@ def _load() -> c.CDLL:
     else:
         raise ImportError("libc3de was not found: " + "; ".join(problems) +
                           "; C3DE_LIBRARY can name the file")
-    if library.c3de_embed_revision() < 2:
-        raise ImportError("libc3de is too old: revision %d; accepted: 2 at least" % library.c3de_embed_revision())
+    if library.c3de_embed_revision() < 3:
+        raise ImportError("libc3de is too old: revision %d; accepted: 3 at least" % library.c3de_embed_revision())
     _declare(library)
     return library
 

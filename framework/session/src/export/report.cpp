@@ -200,6 +200,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   addTissues(facts.tissues, report);
   if (!facts.verification.empty()) addVerification(facts.verification, report);
   if (!facts.match.empty()) report["match"] = Json::parse(facts.match, nullptr, false);
+  if (!facts.fit.empty()) report["fit"] = Json::parse(facts.fit, nullptr, false);
   report["state_hash"] = hexadecimal(facts.stateHash);
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

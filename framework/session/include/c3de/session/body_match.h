@@ -22,6 +22,7 @@ struct BodyMatchOptions {
   double noise_mm = 1.0;               ///< > 0: standard deviation of a point across the surface
   /// kPa/mm, >= 0: stiffness of the surroundings where the body has none and no support holds it
   double support_kPa_mm = 0.1;
+  bool continuesLast = false;  ///< starts from the deformation of the last match of the body, as for the next frame
 };
 
 /// How a body deforms to meet measured points.

@@ -47,6 +47,7 @@ struct RunFacts {
   std::string verification;           ///< from the simulator, JSON; empty: not requested
   double firstStep_s = 0.0;           ///< the first step alone
   std::string match;                  ///< matchJson(); empty: not a match
+  std::string fit;                    ///< fitJson(); empty: not a fit
   /// From the start of the command, including plugins and scene file, to the end of the first step
   double toFirstStep_s = 0.0;
 };

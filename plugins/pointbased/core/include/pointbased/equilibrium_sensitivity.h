@@ -33,6 +33,13 @@ struct EquilibriumSensitivity {
   int iterations = 0;     ///< of conjugate gradients
 };
 
+/// Derivatives of the reaction R of a support along a direction, R = direction · (force of the support on the body).
+struct ReactionSensitivity {
+  double reaction = 0.0;             ///< N, without the weight of material that the support holds directly
+  double stiffness = 0.0;            ///< N/m, dR/dd of a translation d of the support along the direction
+  std::vector<double> youngsModuli;  ///< [materials] N/Pa, at constant d; as EquilibriumSensitivity::youngsModuli
+};
+
 struct SensitivitySettings {
   double tolerance = 1e-9;          ///< of the linear solve, relative, in the norm of the preconditioner; > 0
   double largestResidual = 1e-3;    ///< EquilibriumSensitivity::residual of a state that is accepted; > 0
@@ -69,10 +76,23 @@ class EquilibriumSensitivitySolver {
   [[nodiscard]] Result<EquilibriumSensitivity> solve(Body &body, const Environment &environment, double loadFactor,
                                                      std::span<const Vec3> objective,
                                                      const SensitivitySettings &settings = {});
+  /// Sensitivities of a reaction. With w = du/dd of a translation d of the support and the potential Π of the equilibrium,
+  ///
+  ///     K w = -K_h direction on free phyxels,   R = dΠ/dd,   dR/dE = w · dr/dE,   dR/dd = w · K w
+  ///
+  /// and the terms of the held patches. One linear solve. Errors as of solve(); the forces of the body must be those of
+  /// the state, as after quasiStaticStep().
+  /// @param fix        of BoundaryConditions::fixes
+  /// @param direction  unit
+  [[nodiscard]] Result<ReactionSensitivity> solveReaction(Body &body, const Environment &environment, double loadFactor,
+                                                          std::size_t fix, const Vec3 &direction,
+                                                          const SensitivitySettings &settings = {});
   /// Discards the preconditioner: call it for another body, or after a change of its stiffness.
   void forget();
 
  private:
+  [[nodiscard]] Result<void> linearise(Body &body, const Environment &environment, double loadFactor,
+                                       const SensitivitySettings &settings);
   std::unique_ptr<detail::EquilibriumTangent> tangent_;
 };
 

@@ -137,7 +137,9 @@ double elasticTerm(const Body &body, std::size_t material, std::span<const Mat3>
 }
 
 // The part of dJ/dE that results from the stiffness of held patches, a mean of the moduli around them.
-void addPatchTerms(const Body &body, std::span<const Vec3> adjoint, std::span<double> out) {
+// `moved`: [patches] displacement of their targets with the adjoint field, or empty.
+void addPatchTerms(const Body &body, std::span<const Vec3> adjoint, std::span<const Vec3> moved,
+                   std::span<double> out) {
   const std::vector<Material> &materials = body.constitution().materials;
   const PatchSolver &patches = body.patches();
   const Csr &rows = patches.phyxels();
@@ -148,12 +150,13 @@ void addPatchTerms(const Body &body, std::span<const Vec3> adjoint, std::span<do
       addShares(body.rest(), rows.indices[e], std::abs(patches.weights()[e]), shares);
     double modulus = 0.0;
     for (std::size_t m = 0; m < shares.size(); ++m) modulus += shares[m] * materials[m].youngsModulus;
-    const double work = patches.forces()[p].dot(meanOf(rows, patches.weights(), p, adjoint));
+    const Vec3 target = moved.empty() ? Vec3(Vec3::Zero()) : moved[p];
+    const double work = patches.forces()[p].dot(meanOf(rows, patches.weights(), p, adjoint) - target);
     for (std::size_t m = 0; m < shares.size(); ++m) out[m] += work * shares[m] / modulus;
   }
 }
 
-std::vector<double> modulusSensitivities(const Body &body, std::span<const Vec3> adjoint,
+std::vector<double> modulusSensitivities(const Body &body, std::span<const Vec3> adjoint, std::span<const Vec3> moved,
                                          const ParallelFor &parallelFor) {
   const std::vector<Material> &materials = body.constitution().materials;
   std::vector<Mat3> gradients(body.rest().pointCount());
@@ -161,9 +164,30 @@ std::vector<double> modulusSensitivities(const Body &body, std::span<const Vec3>
   std::vector<double> out(materials.size(), 0.0);
   for (std::size_t m = 0; m < out.size(); ++m)
     if (materials[m].law != MaterialLaw::custom) out[m] = elasticTerm(body, m, gradients, adjoint, parallelFor);
-  addPatchTerms(body, adjoint, out);
+  addPatchTerms(body, adjoint, moved, out);
   for (std::size_t m = 0; m < out.size(); ++m)
     if (materials[m].law == MaterialLaw::custom) out[m] = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+// What moves with a fix: phyxels that it holds first, and its patches.
+struct MovedPart {
+  std::vector<Index> phyxels;
+  std::size_t firstPatch = 0, patches = 0;
+};
+
+MovedPart movedBy(const Body &body, std::size_t fix) {
+  const BoundaryConditions &conditions = body.rest().conditions;
+  std::vector<std::uint8_t> isDone(body.rest().phyxelCount(), 0);
+  MovedPart out;
+  for (std::size_t f = 0; f <= fix; ++f) {
+    for (const Index i : conditions.held[f].phyxels) {
+      if (f == fix && isDone[i] == 0) out.phyxels.push_back(i);
+      isDone[i] = 1;
+    }
+    if (f < fix) out.firstPatch += conditions.held[f].rows.rows();
+  }
+  out.patches = conditions.held[fix].rows.rows();
   return out;
 }
 
@@ -188,6 +212,16 @@ EquilibriumSensitivitySolver &EquilibriumSensitivitySolver::operator=(Equilibriu
     default;
 void EquilibriumSensitivitySolver::forget() { tangent_->forget(); }
 
+Result<void> EquilibriumSensitivitySolver::linearise(Body &body, const Environment &environment, double loadFactor,
+                                                     const SensitivitySettings &settings) {
+  if (auto done = tangent_->linearise(body, environment, loadFactor); !done) return done;
+  if (tangent_->residual() <= settings.largestResidual) return {};
+  return tl::unexpected("body '" + body.name() + "' is not in equilibrium at load factor " +
+                        detail::number(loadFactor) + ": its residual is " + detail::number(tangent_->residual(), 3) +
+                        " of the internal forces, at most " + detail::number(settings.largestResidual, 3) +
+                        " is accepted; solve it with a smaller tolerance");
+}
+
 Result<EquilibriumSensitivity> EquilibriumSensitivitySolver::solve(Body &body, const Environment &environment,
                                                                    double loadFactor, std::span<const Vec3> objective,
                                                                    const SensitivitySettings &settings) {
@@ -196,14 +230,9 @@ Result<EquilibriumSensitivity> EquilibriumSensitivitySolver::solve(Body &body, c
   for (std::size_t i = 0; i < n; ++i)
     if (!objective[i].allFinite())
       return tl::unexpected("the derivative of the objective is not finite at phyxel " + std::to_string(i));
-  if (auto done = tangent_->linearise(body, environment, loadFactor); !done) return tl::unexpected(done.error());
+  if (auto done = linearise(body, environment, loadFactor, settings); !done) return tl::unexpected(done.error());
   EquilibriumSensitivity out;
   out.residual = tangent_->residual();
-  if (!(out.residual <= settings.largestResidual))
-    return tl::unexpected("body '" + body.name() + "' is not in equilibrium at load factor " +
-                          detail::number(loadFactor) + ": its residual is " + detail::number(out.residual, 3) +
-                          " of the internal forces, at most " + detail::number(settings.largestResidual, 3) +
-                          " is accepted; solve it with a smaller tolerance");
   out.forces.resize(n);
   if (auto done = tangent_->solve(objective, out.forces, settings.tolerance, settings.maxIterations); !done)
     return tl::unexpected(done.error());
@@ -215,7 +244,43 @@ Result<EquilibriumSensitivity> EquilibriumSensitivitySolver::solve(Body &body, c
   const ParallelFor &parallelFor = *environment.parallelFor;
   out.foundationStiffness = foundationTerm(body, {1.0, 0.0, 0.0}, out.forces, parallelFor);
   out.foundationTangential = foundationTerm(body, {0.0, 1.0, 0.0}, out.forces, parallelFor);
-  if (settings.includeYoungsModuli) out.youngsModuli = modulusSensitivities(body, out.forces, parallelFor);
+  if (settings.includeYoungsModuli) out.youngsModuli = modulusSensitivities(body, out.forces, {}, parallelFor);
+  return out;
+}
+
+Result<ReactionSensitivity> EquilibriumSensitivitySolver::solveReaction(Body &body, const Environment &environment,
+                                                                        double loadFactor, std::size_t fix,
+                                                                        const Vec3 &direction,
+                                                                        const SensitivitySettings &settings) {
+  POINTBASED_EXPECTS(fix < body.rest().conditions.fixes.size(), "a support of the body");
+  POINTBASED_EXPECTS(std::abs(direction.norm() - 1.0) < 1e-6, "a unit direction");
+  const std::size_t n = body.rest().phyxelCount();
+  if (auto done = linearise(body, environment, loadFactor, settings); !done) return tl::unexpected(done.error());
+  const MovedPart part = movedBy(body, fix);
+  const PatchSolver &patches = body.patches();
+  const Csr &rows = patches.phyxels();
+  std::vector<Vec3> rate(n, Vec3::Zero()), pull(n, Vec3::Zero()), product(n), right(n), free(n);
+  std::vector<Vec3> moved(patches.rows(), Vec3::Zero());
+  for (const Index i : part.phyxels) rate[i] = direction;
+  for (std::size_t p = part.firstPatch; p < part.firstPatch + part.patches; ++p) {
+    moved[p] = direction;
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e)
+      pull[rows.indices[e]] += patches.stiffness()[p] * patches.weights()[e] * direction;
+  }
+  tangent_->product(rate, product);
+  for (std::size_t i = 0; i < n; ++i) right[i] = pull[i] - product[i];
+  if (auto done = tangent_->solve(right, free, settings.tolerance, settings.maxIterations); !done)
+    return tl::unexpected(done.error());
+  for (std::size_t i = 0; i < n; ++i) rate[i] += free[i];
+  tangent_->product(rate, product);
+  ReactionSensitivity out;
+  out.reaction = direction.dot(body.reactions(Vec3::Zero())[fix].force);
+  for (const Index i : part.phyxels) out.stiffness += direction.dot(product[i] - pull[i]);
+  for (std::size_t p = part.firstPatch; p < part.firstPatch + part.patches; ++p)
+    out.stiffness += patches.stiffness()[p] * direction.dot(direction - meanOf(rows, patches.weights(), p, rate));
+  if (!settings.includeYoungsModuli) return out;
+  out.youngsModuli = modulusSensitivities(body, rate, moved, *environment.parallelFor);
+  for (double &one : out.youngsModuli) one = -one;
   return out;
 }
 

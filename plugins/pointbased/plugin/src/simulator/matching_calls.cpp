@@ -15,6 +15,15 @@ namespace pointbased {
 
 using sdk::Error;
 
+/// What of the body a match depends on, at the beginning of the match.
+struct MatchedBody {
+  ObjectName name;
+  std::shared_ptr<const RestState> rest;
+  Constitution constitution;
+  Foundation foundation;
+  bool hasOwnSupport = true;  ///< otherwise the springs of the request are added
+};
+
 namespace {
 
 using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -57,14 +66,19 @@ std::vector<MatchLandmark> landmarksOf(const c3de_match_request &in) {
   return out;
 }
 
-/// What of the body a match depends on, at the beginning of the match.
-struct MatchedBody {
-  ObjectName name;
-  std::shared_ptr<const RestState> rest;
-  Constitution constitution;
-  Foundation foundation;
-  bool hasOwnSupport = true;  ///< otherwise the springs of the request are added
-};
+bool areEqual(const Material &a, const Material &b) {
+  return a.law == b.law && a.youngsModulus == b.youngsModulus && a.poissonRatio == b.poissonRatio &&
+         a.restDensity == b.restDensity && a.volumeStiffness == b.volumeStiffness && a.custom == b.custom;
+}
+
+/// Whether a match of one body can start from the solution of the other.
+bool areEqual(const MatchedBody &a, const MatchedBody &b) {
+  const std::vector<Material> &one = a.constitution.materials, &other = b.constitution.materials;
+  return a.rest == b.rest && a.constitution.stabilisation == b.constitution.stabilisation &&
+         a.foundation.stiffness == b.foundation.stiffness && a.foundation.tangential == b.foundation.tangential &&
+         std::equal(one.begin(), one.end(), other.begin(), other.end(),
+                    [](const Material &x, const Material &y) { return areEqual(x, y); });
+}
 
 double rootMeanSquare(const std::vector<double> &values) {
   double sum = 0.0;
@@ -105,6 +119,14 @@ std::string jsonOf(const SurfaceMatchResult &found) {
 
 }  // namespace
 
+struct MatchingCalls::Kept {
+  MatchedBody body;
+  SurfaceMatch solver;
+};
+
+MatchingCalls::MatchingCalls(SimulatorParts &parts) : parts_(parts) {}
+MatchingCalls::~MatchingCalls() = default;
+
 void MatchingCalls::match(const c3de_match_request *request, const c3de_progress *progress, c3de_match_result *out,
                           c3de_sink json) {
   const c3de_match_request in = sdk::readStruct(request, "request");
@@ -131,8 +153,14 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
     throw Error(isCancelled ? C3DE_E_CANCELLED : C3DE_E_STATE, result.error());
   };
   if (!stop.tell(0.0, "computing responses of the body")) throw Error(C3DE_E_CANCELLED, "cancelled");
-  SurfaceMatch solver =
-      checked(SurfaceMatch::create(matched.rest, matched.constitution, matched.foundation, parallelFor, &stop));
+  std::unique_ptr<Kept> kept;
+  {
+    const std::lock_guard lock(keptMutex_);
+    kept = std::move(kept_);
+  }
+  if ((in.flags & C3DE_MATCH_CONTINUE) == 0 || !kept || !areEqual(kept->body, matched))
+    kept = std::make_unique<Kept>(Kept{matched, checked(SurfaceMatch::create(matched.rest, matched.constitution,
+                                                                             matched.foundation, parallelFor, &stop))});
   SurfaceMatchSettings settings;
   settings.noise = in.noise_m;
   settings.start = motionOf(in.motion);
@@ -143,7 +171,7 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
     return stop.tell(0.5 + 0.5 * now.iteration / std::max(1, now.maxIterations),
                      "distance " + shortNumber(1e3 * now.distance) + " mm");
   };
-  SurfaceMatchResult found = checked(solver.match(pointsOf(in), landmarksOf(in), settings));
+  SurfaceMatchResult found = checked(kept->solver.match(pointsOf(in), landmarksOf(in), settings));
   sdk::writeStruct(out, resultOf(found), "out");
   if (const c3de_status status = sdk::put(json, jsonOf(found)); status < 0)
     throw Error(status, "the text was not accepted");
@@ -152,6 +180,8 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
     for (const char *id : {C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS, "surroundings.tangential"})
       (void)parts_.changes.make(SetBodyParameter{matched.name, ParameterEntry(sdk::numberValue(id, in.support_Pa_m))});
   (void)parts_.changes.make(SetMatchedState{matched.name, found.displacements, found.forces});
+  const std::lock_guard lock(keptMutex_);
+  kept_ = std::move(kept);
 }
 
 }  // namespace pointbased

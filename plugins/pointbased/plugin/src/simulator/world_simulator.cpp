@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "c3de/sdk/conditions.hpp"
+#include "c3de/sdk/identification.hpp"
 #include "c3de/sdk/matching.hpp"
 #include "c3de/sdk/structs.hpp"
 #include "simulator/point_sets.h"
@@ -86,6 +87,9 @@ constexpr c3de_conditions_v0 kConditionSlots{
     sizeof(c3de_conditions_v0), 1, slot<&Parts::conditionCalls, &ConditionCalls::set>,
     slot<&Parts::conditionCalls, &ConditionCalls::remove>, slot<&Parts::conditionCalls, &ConditionCalls::state>};
 constexpr c3de_matching_v0 kMatchingSlots{sizeof(c3de_matching_v0), 1, slot<&Parts::matching, &MatchingCalls::match>};
+constexpr c3de_identification_v0 kIdentificationSlots{sizeof(c3de_identification_v0), 1,
+                                                      slot<&Parts::identification, &IdentificationCalls::fit>,
+                                                      slot<&Parts::identification, &IdentificationCalls::sensitivity>};
 
 }  // namespace
 
@@ -95,10 +99,11 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 9> WorldSimulator::interfaces() {
-  return {sdk::interfaceOf(kSimulatorSlots),    sdk::interfaceOf(kBodiesSlots),    sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots),   sdk::interfaceOf(kGraspSlots),     sdk::interfaceOf(kChangesSlots),
-          sdk::interfaceOf(kContinuationSlots), sdk::interfaceOf(kConditionSlots), sdk::interfaceOf(kMatchingSlots)};
+std::array<sdk::Interface, 10> WorldSimulator::interfaces() {
+  return {sdk::interfaceOf(kSimulatorSlots),     sdk::interfaceOf(kBodiesSlots),    sdk::interfaceOf(kContactSlots),
+          sdk::interfaceOf(kAttachmentSlots),    sdk::interfaceOf(kGraspSlots),     sdk::interfaceOf(kChangesSlots),
+          sdk::interfaceOf(kContinuationSlots),  sdk::interfaceOf(kConditionSlots), sdk::interfaceOf(kMatchingSlots),
+          sdk::interfaceOf(kIdentificationSlots)};
 }
 
 WorldSimulator *WorldSimulator::fromAbi(c3de_object *object) {

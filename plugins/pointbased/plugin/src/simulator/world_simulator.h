@@ -12,6 +12,7 @@
 #include "simulator/contacts.h"
 #include "simulator/continuation.h"
 #include "simulator/grasps.h"
+#include "simulator/identification_calls.h"
 #include "simulator/matching_calls.h"
 #include "simulator/obstacles.h"
 #include "simulator/probes.h"
@@ -48,6 +49,7 @@ struct SimulatorParts {
   ChangingCalls calls{*this};
   ConditionCalls conditionCalls{*this};
   MatchingCalls matching{*this};
+  IdentificationCalls identification{world};
 };
 
 /// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator on top of the physics. Its tables call
@@ -74,7 +76,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void phyxels(c3de_handle body, c3de_object **out);
   void surfels(c3de_handle body, c3de_object **out);
 
-  static std::array<sdk::Interface, 9> interfaces();
+  static std::array<sdk::Interface, 10> interfaces();
   /// Null if the object is of another class, or of another plugin.
   [[nodiscard]] static WorldSimulator *fromAbi(c3de_object *object);
 

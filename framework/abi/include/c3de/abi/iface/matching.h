@@ -10,6 +10,9 @@
 #define C3DE_IFACE_MATCHING_ID "draft/c3de.iface.matching/0"
 
 #define C3DE_MATCH_MOTION_KNOWN 1u /* of a request: the motion is exact and is not changed */
+/* of a request: start from the deformation and the forces of the last match of this body, as for the next frame of a
+ * sequence; no effect where the body has changed since */
+#define C3DE_MATCH_CONTINUE 2u
 
 #define C3DE_MATCH_CONVERGED 1u /* of a result */
 #define C3DE_MATCH_ERROR_KNOWN \

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/match_frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "c3de/core/csv.h"
+#include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
+#include "c3de/geometry/rigid_fit.h"
+#include "c3de/session/body_states.h"
+#include "c3de/session/build_scene.h"
+#include "c3de/session/export_simulation.h"
+#include "c3de/session/frame_match.h"
+#include "c3de/session/headless_run.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/session/measured_frames.h"
+#include "c3de/session/progress_line.h"
+#include "c3de/session/run_beginning.h"
+#include "c3de/session/simulator_access.h"
+#include "c3de/session/written_outputs.h"
+#include "commands/exit_code.h"
+#include "commands/last_crash.h"
+#include "commands/run_exports.h"
+#include "commands/standard_output.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using scene::SceneMatch;
+
+struct DoneFrame {
+  std::string name;
+  std::optional<double> time_s;
+  FrameMatch match;
+};
+
+struct Sequence {
+  std::vector<DoneFrame> frames;
+  std::size_t planned = 0;
+  std::string failure;  ///< why it ends early; empty: it is complete
+  ErrorCode code = ErrorCode::state;
+};
+
+std::vector<std::filesystem::path> outputsOf(const MatchOptions &options) {
+  return {options.run.report, options.frameTable, options.run.exportList, options.run.saveState,
+          options.run.saveSession};
+}
+
+/// The match of the scene with the options; its source is the sequence.
+Expected<SceneMatch> wantedOf(const MatchOptions &options, const scene::SceneFile &scene) {
+  SceneMatch out = scene.match.value_or(SceneMatch{});
+  if (!options.body.empty()) out.body = options.body;
+  if (options.noise_mm) out.noise_mm = *options.noise_mm;
+  if (options.isRigid) out.deforms = false;
+  out.points = options.frames;
+  out.surface.clear();
+  out.labels = {};
+  out.landmarks.clear();
+  out.fitsLandmarks = false;
+  out.unit.reset();
+  if (!options.unit.empty()) {
+    const auto unit = scene::parseLengthUnit(options.unit);
+    if (!unit) return fail(ErrorCode::usage, "--measured-unit: " + unit.error().message);
+    out.unit = *unit;
+  }
+  if (const auto good = scene::completeMatch(scene, out); !good) return fail(ErrorCode::usage, good.error().message);
+  return out;
+}
+
+Json rowOf(const DoneFrame &frame) {
+  const FrameMatch &match = frame.match;
+  Json row{{"frame", frame.name}, {"time_s", frame.time_s ? Json(*frame.time_s) : Json()}, {"wall_s", match.wall_s}};
+  const Json details = Json::parse(matchJson(match.rigid, match.elastic), nullptr, false);
+  for (const char *key :
+       {"verdict", "points", "converged", "surface_rms_mm", "iterations", "forces", "elastic", "motion", "warnings"})
+    if (const auto found = details.find(key); found != details.end()) row[key] = *found;
+  return row;
+}
+
+std::string tableOf(const Sequence &sequence) {
+  std::string text =
+      "frame,time_s,wall_s,points,verdict,converged,iterations,rms_rigid_mm,rms_after_mm,used_part,expected_error_mm,"
+      "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n";
+  for (const DoneFrame &frame : sequence.frames) {
+    const FrameMatch &match = frame.match;
+    const auto &body = match.elastic.body;
+    const geometry::RigidPose pose = geometry::poseOf(match.measuredFromBody(), {});
+    const auto number = [&](bool isKnown, double value) {
+      return isKnown ? fmt::format("{:.6g}", value) : std::string();
+    };
+    text += fmt::format("{},{},{:.4g},{},{},{},{},{:.6g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
+                        csvCell(frame.name), number(frame.time_s.has_value(), frame.time_s.value_or(0.0)), match.wall_s,
+                        match.rigid.points, match.rigid.isGiven ? "given" : nameOf(match.rigid.rigid.verdict),
+                        body && body->hasConverged ? 1 : 0, body ? body->iterations : 0, match.rigid.rigid.after.rms_mm,
+                        number(body.has_value(), body ? body->after_mm : 0.0),
+                        number(body.has_value(), body ? body->usedPart : 0.0),
+                        number(body && body->error, body && body->error ? body->error->rms_mm : 0.0),
+                        pose.translation_mm[0], pose.translation_mm[1], pose.translation_mm[2], pose.rotation_deg[0],
+                        pose.rotation_deg[1], pose.rotation_deg[2]);
+  }
+  return text;
+}
+
+/// Matches the frames in their order. A frame that cannot be matched ends the sequence. Errors: cancelled.
+Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
+                            const std::string &name, const geometry::TriangleMesh &skin, const SceneMatch &wanted,
+                            std::vector<MeasuredFrame> frames, SimulationExport *timeline, const ProgressFn &progress) {
+  Sequence out;
+  out.planned = frames.size();
+  FrameRequest request;
+  request.wanted = wanted;
+  request.targets.file = wanted.points;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    MeasuredFrame &frame = frames[k];
+    request.targets.surface.points_mm = std::move(frame.measured.points_mm);
+    request.targets.surface.normals = std::move(frame.measured.normals);
+    const ProgressFn part = [&](double fraction, const std::string &what) {
+      const double done = static_cast<double>(k) + std::max(fraction, 0.0);
+      return progress(done / static_cast<double>(frames.size()), "frame " + frame.name + ": " + what);
+    };
+    auto match = matchFrame(session, simulator, scene, name, skin, request, part);
+    if (!match && match.error().code == ErrorCode::cancelled) return tl::unexpected(match.error());
+    const auto end = [&](ErrorCode code, const std::string &why) {
+      out.code = code;
+      out.failure = fmt::format("frame {} ({} of {}): {}", frame.name, k + 1, frames.size(), why);
+    };
+    if (!match) {
+      end(match.error().code, match.error().message);
+      return out;
+    }
+    out.frames.push_back({frame.name, frame.time_s, std::move(*match)});
+    const FrameMatch &last = out.frames.back().match;
+    if (!last.rigid.isUsable()) {
+      const bool isRefused = last.rigid.rigid.verdict == registration::RegistrationVerdict::refused;
+      end(isRefused ? ErrorCode::input : ErrorCode::state,
+          isRefused ? "no rigid motion is credible" : "the rigid motion is ambiguous");
+      return out;
+    }
+    if (timeline != nullptr) {
+      const auto states =
+          readBodyStates(simulator, BodyParts::skinAndInside, [&session] { return session.plugins().takeError(); });
+      if (!states) return tl::unexpected(states.error());
+      const double at = frame.time_s.value_or(static_cast<double>(k));
+      if (const auto added = timeline->addFrame(at, *states); !added) return tl::unexpected(added.error());
+    }
+    // A frame that has not converged is no start for the next one.
+    request.measuredFromBodyBefore.reset();
+    if (last.canContinue()) request.measuredFromBodyBefore = last.measuredFromBody();
+  }
+  return out;
+}
+
+std::string nameInSimulator(const scene::SceneFile &scene, const std::string &name) {
+  for (const scene::SceneBody &body : scene.bodies)
+    if (!body.volume.slides.empty() && scene::nameOfRest(body) == name) return body.name;
+  return name;
+}
+
+Expected<geometry::TriangleMesh> skinOf(Session &session, c3de_object *simulator, const std::string &body) {
+  auto states = readBodyStates(simulator, BodyParts::skin, [&session] { return session.plugins().takeError(); });
+  if (!states) return tl::unexpected(states.error());
+  for (BodyState &state : *states)
+    if (state.name == body && !state.skin.triangles.empty()) return std::move(state.skin);
+  return fail(ErrorCode::plugin, "the simulator has no skin for body '" + body + "'");
+}
+
+Expected<void> writeReport(const MatchOptions &options, const HeadlessRun &run, RunFacts facts,
+                           const Sequence &sequence, WrittenOutputs &outputs) {
+  if (!options.frameTable.empty())
+    outputs.note(options.frameTable, writeWholeFile(options.frameTable, tableOf(sequence)));
+  if (options.run.report.empty()) return {};
+  if (!sequence.frames.empty()) {
+    const FrameMatch &last = sequence.frames.back().match;
+    Json json = Json::parse(matchJson(last.rigid, last.elastic), nullptr, false);
+    json["frames"] = Json::array();
+    for (const DoneFrame &frame : sequence.frames) json["frames"].push_back(rowOf(frame));
+    facts.match = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  if (!sequence.failure.empty()) facts.outcome = "failed", facts.failure = sequence.failure;
+  const auto simulatorJson = run.simulatorReport();
+  if (!simulatorJson) return tl::unexpected(simulatorJson.error());
+  const auto json = reportJson(facts, *simulatorJson);
+  if (!json) return tl::unexpected(json.error());
+  outputs.note(options.run.report, writeWholeFile(options.run.report, *json));
+  return {};
+}
+
+Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOutputs &outputs) {
+  ProgressLine line(options.run.quiet);
+  const ProgressFn progress = [&line](double fraction, const std::string &what) {
+    line.update(fraction, what);
+    return !wasInterrupted();
+  };
+  const auto beginning = readBeginning(options.run, session, progress);
+  if (!beginning) return tl::unexpected(beginning.error());
+  if (beginning->saved || beginning->replay)
+    return fail(ErrorCode::usage, pathText(options.run.scene) + ": is no scene; accepted: a scene (.toml) or a mesh");
+  const SharedScene scene = std::get<SharedScene>(beginning->source.front());
+  const auto wanted = wantedOf(options, *scene);
+  if (!wanted) return tl::unexpected(wanted.error());
+  const std::vector<std::filesystem::path> inputs{options.run.scene, options.frames};
+  if (const auto good = checkOutputs(outputsOf(options), inputs); !good) return tl::unexpected(good.error());
+  if (!options.run.exportList.empty())
+    if (const auto good = checkSimulationExport(options.run.exportList); !good) return tl::unexpected(good.error());
+  auto frames = readMeasuredFrames(options.frames, wanted->unit);
+  if (!frames) return tl::unexpected(frames.error());
+  const auto chosen = session.chooseSimulator(scene->simulatorClass);
+  if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
+  auto created = session.createSimulator(chosen->classId);
+  if (!created) return tl::unexpected(created.error());
+  const ObjectRef simulator(*created);
+  const auto table = simulatorTable(simulator.get());
+  if (!table) return tl::unexpected(table.error());
+  BodySources sources;
+  Prepared prepared;
+  if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
+    return tl::unexpected(built.error());
+  const std::string name = nameInSimulator(*scene, wanted->body);
+  const auto skin = skinOf(session, simulator.get(), name);
+  if (!skin) return tl::unexpected(skin.error());
+  // A run without a step has the facts of a report; the session has adopted the simulator then.
+  RunOptions still;
+  still.session = options.run.session;
+  still.scene = options.run.scene;
+  still.steps = 0;
+  still.quiet = options.run.quiet;
+  HeadlessRun atRest(session, simulator.get(), *table, still, {}, outputs, beginning->source);
+  if (const auto ran = atRest.run(); !ran) return tl::unexpected(ran.error());
+  std::optional<SimulationExport> timeline;
+  if (!options.run.exportList.empty()) timeline.emplace(options.run.exportList);
+  auto sequence = matchAll(session, simulator.get(), *scene, name, *skin, *wanted, std::move(*frames),
+                           timeline ? &*timeline : nullptr, progress);
+  line.finish();
+  if (timeline) outputs.note(options.run.exportList, timeline->finish());
+  if (!sequence) return tl::unexpected(sequence.error());
+  RunFacts facts = atRest.facts();
+  if (const auto hash = stateHash(*table, simulator.get()); hash) facts.stateHash = *hash;
+  facts.prepared = prepared;
+  facts.scene = scene->title;
+  facts.source = options.run.scene.string();
+  facts.simulator = *chosen;
+  if (const auto good = writeReport(options, atRest, std::move(facts), *sequence, outputs); !good)
+    return tl::unexpected(good.error());
+  if (sequence->failure.empty()) saveEnd(options.run, session, simulator.get(), *chosen, *beginning, outputs);
+  return sequence;
+}
+
+}  // namespace
+
+int matchFrames(const MatchOptions &options) {
+  watchForInterrupt();
+  if (const auto good = checkOutputs(outputsOf(options), {}); !good) return reportError(good.error());
+  const auto journal = beginJournal(options.run.session);
+  auto session = Session::create(options.run.session);
+  if (!session) return reportError(session.error());
+  WrittenOutputs outputs;
+  const auto sequence = run(options, **session, outputs);
+  if (!sequence) {
+    if (!outputs.areComplete()) reportError(outputs.error());
+    return reportError(sequence.error());
+  }
+  if (!options.run.quiet) {
+    double total = 0.0, longest = 0.0;
+    for (const DoneFrame &frame : sequence->frames) {
+      total += frame.match.wall_s;
+      if (&frame != &sequence->frames.front()) longest = std::max(longest, frame.match.wall_s);
+      const auto &body = frame.match.elastic.body;
+      printOut(fmt::format("frame {}: rms {:.3g} mm{}{}\n", frame.name,
+                           body ? body->after_mm : frame.match.rigid.rigid.after.rms_mm,
+                           body ? fmt::format(" after {} iterations", body->iterations) : " after the rigid motion",
+                           body && !body->hasConverged ? ", not converged" : ""));
+    }
+    printOut(
+        fmt::format("{} of {} frames in {:.3g} s, a frame after the first at most {:.3g} s; not for clinical use\n",
+                    sequence->frames.size(), sequence->planned, total, longest));
+  }
+  ExitCode exitCode = kDone;
+  if (!sequence->failure.empty())
+    exitCode = reportError({sequence->code, pathText(options.frames) + ": " + sequence->failure});
+  // A missing output takes precedence over other failures.
+  return outputs.areComplete() ? exitCode : reportError(outputs.error());
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/abi/iface/identification.h"
+#include "simulator/simulated_world.h"
+
+namespace pointbased {
+
+/// iface.identification: the stiffness of a body from a measured curve, and sensitivities of its static solution. Any
+/// thread; a fit computes with a copy of the body, and the simulation may continue meanwhile.
+class IdentificationCalls {
+ public:
+  explicit IdentificationCalls(SimulatedWorld &world) : world_(world) {}
+
+  void fit(const c3de_fit_request *request, const c3de_progress *progress, c3de_fit_result *out, c3de_sink json);
+  void sensitivity(const c3de_sensitivity_request *request, double *forces, c3de_sink json);
+
+ private:
+  SimulatedWorld &world_;
+};
+
+}  // namespace pointbased
