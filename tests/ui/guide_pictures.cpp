@@ -3,7 +3,8 @@
 //   xvfb-run -a -s "-screen 0 1280x800x24" build/release/bin/test_ui "[guide]"
 // writes guide-NAME.png to test-output/ui; check them and copy those that show what the page describes. pulled.png is
 // image_walk-pulled.png of the scenario image_walk, loads.png, measurements.png and body_update.png are
-// organ_loads-set.png, measurements-placed.png and body_update-added.png; load_arrow.png is block_loads-dragged.png.
+// organ_loads-set.png, measurements-placed.png and body_update-added.png; load_arrow.png is block_loads-dragged.png,
+// match.png is match-arrows.png.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>

@@ -4,21 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <chrono>
 
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
-#include "c3de/session/body_match.h"
 #include "c3de/session/body_sources.h"
-#include "c3de/session/body_states.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/change_log.h"
 #include "c3de/session/export_image.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
+#include "c3de/session/match_stages.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/rigid_match.h"
 #include "c3de/session/run_beginning.h"
@@ -35,21 +32,6 @@ namespace {
 
 using scene::SceneMatch;
 
-Expected<void> setLabel(const std::string &text, SceneMatch &match) {
-  unsigned number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  match.labels.label.reset();
-  match.labels.labelName.clear();
-  if (error != std::errc() || end != text.data() + text.size()) {
-    match.labels.labelName = text;
-    return {};
-  }
-  if (number == 0 || number > 65535)
-    return fail(ErrorCode::usage, "--label is " + text + "; accepted: a number from 1 to 65535, or a name");
-  match.labels.label = static_cast<std::uint16_t>(number);
-  return {};
-}
-
 /// The options replace the keys of the scene; a source replaces any other.
 Expected<void> addOptions(const MatchOptions &options, SceneMatch &match) {
   if (!options.body.empty()) match.body = options.body;
@@ -62,7 +44,7 @@ Expected<void> addOptions(const MatchOptions &options, SceneMatch &match) {
     match.unit.reset();
   }
   if (!options.label.empty())
-    if (auto good = setLabel(options.label, match); !good) return good;
+    if (auto good = setMatchLabel(options.label, match); !good) return good;
   if (!options.unit.empty()) {
     const auto unit = scene::parseLengthUnit(options.unit);
     if (!unit) return fail(ErrorCode::usage, "--measured-unit: " + unit.error().message);
@@ -96,24 +78,6 @@ Expected<SceneMatch> matchOf(const MatchOptions &options, const scene::SceneFile
   return match;
 }
 
-/// Name of the body in the simulator: the rest of a cut body has the name of the body.
-std::string nameInSimulator(const scene::SceneFile &scene, const std::string &name) {
-  for (const scene::SceneBody &body : scene.bodies)
-    if (!body.volume.slides.empty() && scene::nameOfRest(body) == name) return body.name;
-  return name;
-}
-
-Expected<geometry::TriangleMesh> skinOf(Session &session, c3de_object *simulator, const std::string &body) {
-  auto states = readBodyStates(simulator, BodyParts::skin, [&session] { return session.plugins().takeError(); });
-  if (!states) return tl::unexpected(states.error());
-  for (BodyState &state : *states) {
-    if (state.name != body) continue;
-    if (!state.skin.triangles.empty()) return std::move(state.skin);
-    return fail(ErrorCode::plugin, "the simulator has no skin for body '" + body + "'");
-  }
-  return fail(ErrorCode::plugin, "the simulator has no body '" + body + "'");
-}
-
 std::vector<std::filesystem::path> outputsOf(const MatchOptions &options) {
   const ImageExport &image = options.run.exportImage;
   return {options.run.report, options.run.exportSurface, options.residuals,     image.image,
@@ -140,61 +104,23 @@ auto unrecorded(Session &session, const Read &read) {
   return read();
 }
 
-/// Deforms the body at its rigid motion. Where that is not possible the rigid motion remains, with the reason.
-/// Errors: cancelled, and those of the landmarks.
+/// Deforms the body at its rigid motion, with its landmarks. Errors: cancelled, and those of the landmarks.
 Expected<ElasticMatch> deform(const scene::SceneFile &scene, const SceneMatch &wanted, const MatchTargets &targets,
                               const std::vector<Landmark> &landmarks, const RigidMatch &rigid, Session &session,
                               c3de_object *simulator, const ProgressFn &progress) {
   if (!wanted.deforms || !rigid.isUsable()) return ElasticMatch{};
-  const auto begin = std::chrono::steady_clock::now();
   const auto takeError = [&session] { return session.plugins().takeError(); };
-  registration::MeasuredSurface measured = targets.surface;
-  std::vector<Landmark> targeted;
-  for (const Landmark &one : landmarks)
-    if (one.target_mm) targeted.push_back(one);
+  std::vector<Landmark> targeted = withTargets(landmarks);
   if (const auto found = unrecorded(session, [&] { return findBodies(simulator, scene, targeted, takeError); }); !found)
     return tl::unexpected(found.error());
-  if (wanted.fitsLandmarks)
-    for (const Landmark &one : targeted) measured.pairs.push_back({one.reference_mm, *one.target_mm});
-  BodyMatchOptions how;
-  how.measuredFromBody = rigid.rigid.measuredFromBody;
-  how.isMotionKnown = rigid.isGiven;
-  how.noise_mm = wanted.noise_mm;
-  auto body = matchBody(simulator, nameInSimulator(scene, wanted.body), measured, how,
+  auto out = deformBody(simulator, nameInSimulator(scene, wanted.body), rigid, targets, targeted, wanted,
                         session.plugins().ownerOf(simulator), takeError, progress);
-  ElasticMatch out;
-  out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!body) {
-    if (body.error().code == ErrorCode::cancelled) return tl::unexpected(body.error());
-    out.failure = body.error().message;
-    return out;
-  }
-  out.body = std::move(*body);
-  const auto now = unrecorded(session, [&] { return measure(simulator, scene, targeted, takeError); });
-  if (!now) return tl::unexpected(now.error());
-  std::vector<Vec3> at_mm;
-  for (const MeasuredLandmark &one : now->landmarks) at_mm.push_back(one.position_mm);
-  addLandmarks(rigid, std::move(at_mm), out);
+  if (!out) return out;
+  if (const auto now =
+          unrecorded(session, [&] { return measureLandmarks(simulator, scene, targeted, rigid, takeError, *out); });
+      !now)
+    return tl::unexpected(now.error());
   return out;
-}
-
-/// The rigid motion of a body that deforms. Where the noise does not explain the residual, the size of the deformation
-/// does: the distance from which a point counts as an outlier grows until the motion is explained.
-Expected<RigidMatch> rigidMotion(const geometry::TriangleMesh &skin, const MatchTargets &targets,
-                                 const std::vector<Landmark> &landmarks, const SceneMatch &wanted, ThreadPool *pool,
-                                 const ProgressFn &progress) {
-  if (!wanted.isRigidFirst) return matchInPlace(skin, targets, landmarks, wanted, pool);
-  auto rigid = matchRigid(skin, targets, landmarks, wanted, pool, progress);
-  if (!wanted.deforms) return rigid;
-  SceneMatch wider = wanted;
-  for (const double factor : {2.0, 5.0, 10.0}) {
-    if (!rigid || rigid->rigid.verdict != registration::RegistrationVerdict::unexplained) break;
-    wider.noise_mm = factor * wanted.noise_mm;
-    auto next = matchRigid(skin, targets, landmarks, wider, pool, progress);
-    if (!next || !next->isUsable()) break;
-    rigid = std::move(next);
-  }
-  return rigid;
 }
 
 struct Matched {
@@ -238,14 +164,6 @@ Expected<void> writeState(const RunOptions &options, Session &session, const sce
   return writeImageExports(options, session, scene, sources, prepared, table, simulator, outputs);
 }
 
-std::string failureOf(const RigidMatch &match) {
-  std::string text = match.rigid.verdict == registration::RegistrationVerdict::refused
-                         ? "no rigid motion is credible"
-                         : "the rigid motion is ambiguous";
-  for (const std::string &warning : match.rigid.warnings) text += "; " + warning;
-  return text;
-}
-
 Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOutputs &outputs) {
   ProgressLine line(options.run.quiet);
   const ProgressFn progress = [&line](double fraction, const std::string &what) {
@@ -282,9 +200,10 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   Prepared prepared;
   if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
     return tl::unexpected(built.error());
-  const auto skin = skinOf(session, simulator.get(), nameInSimulator(*scene, wanted->body));
-  if (!skin) return tl::unexpected(skin.error());
-  auto rigid = rigidMotion(*skin, *targets, *landmarks, *wanted, &session.pool(), progress);
+  const auto takeError = [&session] { return session.plugins().takeError(); };
+  const auto skins = skinsOf(simulator.get(), nameInSimulator(*scene, wanted->body), takeError);
+  if (!skins) return tl::unexpected(skins.error());
+  auto rigid = findMotion(skins->rest, *targets, *landmarks, *wanted, &session.pool(), progress);
   if (!rigid) return tl::unexpected(rigid.error());
   Matched out{std::move(*rigid), {}, targets->notices};
   line.finish();
@@ -312,9 +231,9 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   facts.simulator = *chosen;
   facts.match = matchJson(out.match, out.elastic);
   if (!out.match.isUsable()) facts.outcome = "failed", facts.failure = failureOf(out.match);
-  const auto present = skinOf(session, simulator.get(), nameInSimulator(*scene, wanted->body));
-  if (!present) return tl::unexpected(present.error());
-  if (const auto good = writeOutputs(options, session, *present, *targets, out, facts, run, outputs); !good)
+  const auto matched = skinsOf(simulator.get(), nameInSimulator(*scene, wanted->body), takeError);
+  if (!matched) return tl::unexpected(matched.error());
+  if (const auto good = writeOutputs(options, session, matched->present, *targets, out, facts, run, outputs); !good)
     return tl::unexpected(good.error());
   if (out.match.isUsable())
     if (const auto good = writeState(options.run, session, *scene, sources, prepared, *table, simulator.get(), *chosen,

@@ -86,6 +86,7 @@ std::string ExportController::proposedName(ui::Command exported) const {
   if (exported == ui::Command::saveLabels) return name + "-labels";
   if (exported == ui::Command::saveStatistics) return name + "-statistics";
   if (exported == ui::Command::exportTissues) name += "-tissues";
+  if (exported == ui::Command::exportResiduals) return name + "-residuals";
   if (exported == ui::Command::saveFigure) name += "-figure";
   if (exported == ui::Command::saveSessionAs) return name;
   if (scene::Simulation *simulation = session.simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);

@@ -33,6 +33,7 @@
 #include "workstation/comparison_controller.h"
 #include "workstation/export_controller.h"
 #include "workstation/figure_controller.h"
+#include "workstation/match_controller.h"
 #include "workstation/measurement_controller.h"
 #include "workstation/plot_controller.h"
 #include "workstation/plugin_problems.h"
@@ -88,6 +89,7 @@ class Workstation {
   void apply(const ui::Preferences &preferences);
   [[nodiscard]] ui::WindowActions actions();
   [[nodiscard]] std::string unsaved();
+  [[nodiscard]] std::string whyNoMatch() const;
   void open(const ui::OpenRequest &request);
   [[nodiscard]] RecentFilesController::Shown shownFiles() const;
   void onImageShown();
@@ -131,6 +133,7 @@ class Workstation {
   std::optional<PreferencesController> preferences_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
+  std::optional<MatchController> match_;                   ///< likewise
   std::optional<RecentFilesController> recent_;            ///< its thread uses the session's queue
   std::vector<std::filesystem::path> loadedFiles_;  ///< of the present simulation, unless it is that of a session
   bool playsWhenLoaded_ = false;
@@ -262,6 +265,8 @@ void Workstation::createControllers() {
       BodyUpdateController::Parts{session, panels_, tools_, *loader_, *images_, *sessions_, *history_, failed},
       [this] { return replay_->isReplaying() ? std::string(ui::kReplayLocks) : std::string(); });
   tissueSurfaces_.emplace(session, *renderer_);
+  match_.emplace(MatchController::Parts{session, *renderer_, panels_, *images_, measurements_->list(), *history_,
+                                        failed, [this] { return whyNoMatch(); }});
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
   preferences_.emplace(panels_, [this](const ui::Preferences &preferences) { apply(preferences); });
   session.setPublishedHook([this](const scene::Simulation &simulation) {
@@ -283,11 +288,12 @@ void Workstation::apply(const ui::Preferences &preferences) {
 }
 
 void Workstation::connectWindow() {
-  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-                    &images_->workflow(), &images_->brush(), &images_->scanBody(), &tissueTable_->table(), &edits_,
-                    &commands_, &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); },
-                    &sessions_->missingFiles(), &measurements_->list(), &measurements_->tools(), &plots_->plots()},
-                   actions());
+  window_->connect(
+      {&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+       &images_->workflow(), &images_->brush(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_,
+       &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); }, &sessions_->missingFiles(),
+       &measurements_->list(), &measurements_->tools(), &plots_->plots(), [this] { return match_->panel(); }},
+      actions());
   tools_.setMarkedPoint([this] {
     const ui::ImageViews &views = images_->views();
     return views.image() ? views.crossHair() : window_->camera().focus;
@@ -303,6 +309,7 @@ ui::WindowActions Workstation::actions() {
   exports_->connect(actions);
   measurements_->connect(actions);
   comparison_->connect(actions);
+  match_->connect(actions);
   figures_->connect(actions);
   plots_->connect(actions);
   recording_->connect(actions);
@@ -423,6 +430,12 @@ std::string Workstation::unsaved() {
   return text;
 }
 
+std::string Workstation::whyNoMatch() const {
+  if (replay_->isReplaying()) return ui::kReplayLocks;
+  if (loader_->isLoading() || history_->isBusy()) return "another simulation is being built; try it again afterwards";
+  return {};
+}
+
 void Workstation::onImageShown() {
   figures_->onImageChanged();
   render::Camera &camera = window_->camera();
@@ -453,6 +466,7 @@ void Workstation::removeSimulation() {
   replay_->end();
   report_->end();
   session_->closeSimulation();
+  match_->onReplaced();
   measurements_->onRemoved();
   figures_->onRemoved();
   plots_->onRemoved();
@@ -467,6 +481,7 @@ void Workstation::removeSimulation() {
 void Workstation::onBodiesJoined(bool isNew, bool hasReplaced) {
   if (isNew) replay_->end();
   if (isNew) simulation_->applyTargetRate();
+  match_->onReplaced();
   measurements_->onBodiesChanged();
   sessions_->onMade(hasReplaced);
   report_->begin(false);
@@ -479,6 +494,7 @@ void Workstation::onBodiesJoined(bool isNew, bool hasReplaced) {
 
 void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
+  match_->onReplaced();
   checkSize(loaded, panels_);
   const scene::SceneImage image = loaded.image.value_or(scene::SceneImage{});
   warp_->setSettings(image);
@@ -535,6 +551,7 @@ void Workstation::showLatestResults() {
   tissueTable_->update();
   measurements_->update();
   plots_->update();
+  match_->update();
   tissueSurfaces_->update(tracker);
   scene::Simulation *simulation = session_->simulation();
   if ((warp_->isBehind() || tracker.isBehind()) && simulation && simulation->state().mode != C3DE_SIM_PLAYING)

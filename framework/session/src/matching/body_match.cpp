@@ -102,6 +102,10 @@ BodyMatch matchOf(const c3de_match_result &result, const Json &details) {
     out.distance_mm.push_back(distance_m ? std::optional(kMillimetres * *distance_m) : std::nullopt);
     out.weights.push_back(numberAt(point, "weight").value_or(0.0));
   }
+  if (out.error)
+    for (const Json &error_m : details.value("skin_error_m", Json::array()))
+      out.skinErrors_mm.push_back(error_m.is_number() ? std::optional(kMillimetres * error_m.get<double>())
+                                                      : std::nullopt);
   for (const Json &landmark : details.value("landmarks", Json::array()))
     out.landmarkErrors_mm.push_back(kMillimetres * numberAt(landmark, "error_m").value_or(0.0));
   return out;

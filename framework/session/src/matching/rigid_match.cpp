@@ -69,30 +69,6 @@ MatchReport jsonOfErrors(const ErrorSummary &of) {
       {"mean", of.mean_mm}, {"sd", of.sd_mm ? MatchReport(*of.sd_mm) : MatchReport()}, {"max", of.max_mm}};
 }
 
-/// Why the deformation should not be trusted.
-std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
-  constexpr double kFewPoints =
-      0.7;  // half of the points may be outliers; noise that was stated too small excludes as many
-  std::vector<std::string> out;
-  if (!elastic.failure.empty()) out.push_back("the body was not deformed: " + elastic.failure);
-  if (!elastic.body) return out;
-  if (!elastic.body->hasConverged) out.push_back("the deformation has not converged");
-  if (elastic.body->usedPart < kFewPoints)
-    out.push_back(
-        fmt::format("the deformation uses {:.0f} % of the points: the others are farther away than the noise "
-                    "explains; is it larger, or are they of another body?",
-                    100.0 * elastic.body->usedPart));
-  constexpr double kLargePart = 0.2;
-  if (const auto &error = elastic.body->error; error && error->unknownPart > kLargePart)
-    out.push_back(fmt::format(
-        "the points hardly determine {:.0f} % of the body; more of its surface, landmarks near its supports, or a "
-        "known position do",
-        100.0 * error->unknownPart));
-  if (!elastic.body->error)
-    out.push_back("the error of the deformation is not known, because its equilibrium is not stable; do not trust it");
-  return out;
-}
-
 void addElastic(const RigidMatch &match, const ElasticMatch &elastic, MatchReport &json) {
   if (!elastic.body) return;
   const BodyMatch &body = *elastic.body;
@@ -119,11 +95,6 @@ void addElastic(const RigidMatch &match, const ElasticMatch &elastic, MatchRepor
   }
 }
 
-std::string textOfErrors(const ErrorSummary &of) {
-  return fmt::format("{:.3g}{} mm, at most {:.3g}", of.mean_mm, of.sd_mm ? fmt::format(" ± {:.3g}", *of.sd_mm) : "",
-                     of.max_mm);
-}
-
 void addRigidLines(const RigidMatch &match, std::vector<std::string> &lines) {
   const registration::RigidRegistration &rigid = match.rigid;
   lines.push_back(fmt::format(
@@ -138,11 +109,41 @@ void addRigidLines(const RigidMatch &match, std::vector<std::string> &lines) {
   lines.push_back(fmt::format("coverage: points were measured near {:.0f} % of the surface", 100.0 * rigid.coverage));
   if (match.before && match.after)
     lines.push_back(fmt::format("landmarks ({}, {}): {} before, {} after the rigid motion", match.landmarks.size(),
-                                match.landmarks.front().isFitted ? "fitted" : "not fitted", textOfErrors(*match.before),
-                                textOfErrors(*match.after)));
+                                match.landmarks.front().isFitted ? "fitted" : "not fitted", errorText(*match.before),
+                                errorText(*match.after)));
 }
 
 }  // namespace
+
+std::string verdictOf(const RigidMatch &match) { return match.isGiven ? "given" : nameOf(match.rigid.verdict); }
+
+std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
+  constexpr double kFewPoints =
+      0.7;  // half of the points may be outliers; noise that was stated too small excludes as many
+  std::vector<std::string> out;
+  if (!elastic.failure.empty()) out.push_back("the body was not deformed: " + elastic.failure);
+  if (!elastic.body) return out;
+  if (!elastic.body->hasConverged) out.push_back("the deformation has not converged");
+  if (elastic.body->usedPart < kFewPoints)
+    out.push_back(
+        fmt::format("the deformation uses {:.0f} % of the points: the others are farther away than the noise "
+                    "explains; is it larger, or are they of another body?",
+                    100.0 * elastic.body->usedPart));
+  constexpr double kLargePart = 0.2;
+  if (const auto &error = elastic.body->error; error && error->unknownPart > kLargePart)
+    out.push_back(fmt::format(
+        "the points hardly determine {:.0f} % of the body; more of its surface, landmarks near its supports, or a "
+        "known position do",
+        100.0 * error->unknownPart));
+  if (!elastic.body->error)
+    out.push_back("the error of the deformation is not known, because its equilibrium is not stable; do not trust it");
+  return out;
+}
+
+std::string errorText(const ErrorSummary &errors) {
+  return fmt::format("{:.3g}{} mm, at most {:.3g}", errors.mean_mm,
+                     errors.sd_mm ? fmt::format(" ± {:.3g}", *errors.sd_mm) : "", errors.max_mm);
+}
 
 Expected<MatchTargets> readMatchTargets(const scene::SceneMatch &match, const geometry::MeshFormats &formats,
                                         BodySources &sources, const ProgressFn &progress) {
@@ -219,6 +220,27 @@ Expected<RigidMatch> matchInPlace(const geometry::TriangleMesh &skin, const Matc
   return out;
 }
 
+Expected<RigidMatch> withCandidate(const RigidMatch &match, std::size_t candidate, const geometry::TriangleMesh &skin,
+                                   const MatchTargets &targets, ThreadPool *pool) {
+  if (candidate >= match.rigid.candidates.size())
+    return fail(ErrorCode::usage, fmt::format("there is no candidate {}; accepted: 1 … {}", candidate + 1,
+                                              match.rigid.candidates.size()));
+  RigidMatch out = match;
+  out.rigid.measuredFromBody = match.rigid.candidates[candidate].measuredFromBody;
+  auto after = registration::residualsOf(skin, targets.surface.points_mm, out.rigid.measuredFromBody,
+                                         match.rigid.after.limit_mm, pool);
+  if (!after) return tl::unexpected(ofFile(after.error(), targets.file));
+  out.rigid.after = std::move(*after);
+  out.rmsBefore_mm = rmsOfInliersBefore(out.rigid);
+  std::vector<double> errors_mm;
+  for (MatchedLandmark &one : out.landmarks) {
+    one.rigid_mm = transformPoint(out.rigid.measuredFromBody, one.reference_mm);
+    errors_mm.push_back(one.errorRigid_mm());
+  }
+  if (!errors_mm.empty()) out.after = summaryOf(errors_mm);
+  return out;
+}
+
 void addLandmarks(const RigidMatch &match, std::vector<Vec3> at_mm, ElasticMatch &out) {
   if (!out.body || at_mm.empty() || at_mm.size() != match.landmarks.size()) return;
   std::vector<double> errors_mm;
@@ -242,7 +264,7 @@ std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic) {
       {"points", match.points},
       {"noise_mm", match.noise_mm},
       {"wall_s", match.wall_s},
-      {"verdict", match.isGiven ? "given" : nameOf(rigid.verdict)},
+      {"verdict", verdictOf(match)},
       {"converged", match.isUsable()},
       {"surface_rms_mm", {{"before", match.rmsBefore_mm}, {"rigid", rigid.after.rms_mm}}},
       {"surface_p95_mm", {{"before", rigid.before.p95_mm}, {"rigid", rigid.after.p95_mm}}},
@@ -288,7 +310,7 @@ std::vector<std::string> matchLines(const RigidMatch &match, const ElasticMatch 
     if (match.before)
       lines.push_back(fmt::format("landmarks ({}, {}): {} at rest", match.landmarks.size(),
                                   match.landmarks.front().isFitted ? "fitted" : "not fitted",
-                                  textOfErrors(*match.before)));
+                                  errorText(*match.before)));
   } else {
     addRigidLines(match, lines);
   }
@@ -304,7 +326,7 @@ std::vector<std::string> matchLines(const RigidMatch &match, const ElasticMatch 
           fmt::format("expected error of the deformation: {:.2g} mm, at most {:.2g}; {:.0f} % of the body is "
                       "hardly determined",
                       body.error->rms_mm, body.error->largest_mm, 100.0 * body.error->unknownPart));
-    if (elastic.after) lines.push_back("landmarks: " + textOfErrors(*elastic.after) + " after the deformation");
+    if (elastic.after) lines.push_back("landmarks: " + errorText(*elastic.after) + " after the deformation");
   }
   for (const std::string &warning : warningsOf(elastic)) lines.push_back("  warning: " + warning);
   if (rigid.candidates.size() > 1)

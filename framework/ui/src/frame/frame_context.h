@@ -146,6 +146,7 @@ struct WindowState {
   PlotStrip plots;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
   AnchoredPanel sideRows;                 ///< of the side panel
+  Handle openedPanel;                     ///< that was scrolled into view last
   bool isSearchWanted = false;            ///< the search field of a panel receives the keyboard
   std::vector<PixelRect> overlays;        ///< over the view, of the last frame: they receive the mouse
   std::optional<render::Camera> pose;     ///< of the camera after fitting

@@ -104,6 +104,7 @@ void openExportDialog(FrameContext &frame, Command command) {
     case Command::exportLabels: set("Export deformed labels", kImageExtensions, actions.exportLabels); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
     case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
+    case Command::exportResiduals: set("Export residuals of the match", "csv", actions.exportResiduals); break;
     case Command::startRecording: set("Record", kRecordingExtensions, actions.startRecording); break;
     case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
     default:
@@ -233,6 +234,7 @@ std::string whyDisabled(const FrameContext &frame, const CommandInfo &info) {
   if (needs(needsRecording) && simulation.recording.empty()) return "The simulation is not being recorded.";
   if (needs(needsNoRecording) && !simulation.recording.empty()) return "The simulation is being recorded already.";
   if (needs(needsTimeline) && !simulation.hasTimeline) return "The simulation was not recorded.";
+  if (info.command == Command::exportResiduals && frame.actions.whyNoResiduals) return frame.actions.whyNoResiduals();
   if (info.command == Command::copyFigure && frame.actions.figures.whyNoCopy) return frame.actions.figures.whyNoCopy();
   return {};
 }
@@ -277,6 +279,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::exportLabels:
     case Command::exportDisplacement:
     case Command::exportTissues:
+    case Command::exportResiduals:
     case Command::startRecording:
     case Command::saveState: openExportDialog(frame, command); break;
     case Command::stopRecording: call(frame.actions.stopRecording); break;
@@ -321,6 +324,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::reset: transport(frame, C3DE_TRANSPORT_RESET); break;
     case Command::stop: transport(frame, C3DE_TRANSPORT_STOP); break;
     case Command::loadState: openStateDialog(frame); break;
+    case Command::matchBody: call(frame.actions.matchBody); break;
     case Command::orbitTool:
       if (frame.services.tools) frame.services.tools->activate({});
       break;

@@ -78,6 +78,10 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
   beginFixed("##side", area, colour::kPanel, ImVec2(frame.theme.px(10.0f), frame.theme.px(8.0f)));
   // The scroll bar is in the padding.
   ImGui::BeginChild("scroll", ImVec2(ImGui::GetContentRegionAvail().x + frame.theme.px(7.0f), 0.0f));
+  const Handle opened = frame.services.openedPanel ? frame.services.openedPanel() : Handle();
+  const bool isRevealed = opened != std::exchange(frame.state.openedPanel, opened) && !opened.isNull();
+  // It is to be seen, whatever is under the mouse.
+  if (isRevealed) frame.state.sideRows = {};
   frame.state.sideRows.begin();
   if (section(frame, "scene", "Scene", true)) sceneTree(frame);
   if (TissueTable *tissues = frame.services.tissues) {
@@ -96,9 +100,12 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
   // Where all panels are folded, the first one is opened, and searched in the next frame.
   bool opensPanel = frame.state.isSearchWanted && !panels.beginSearch(frame);
   frame.state.isSearchWanted = false;
+  float top = 0.0f;  // of the opened panel, in the contents
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.
-    for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {
+    std::vector<Handle> handles = frame.services.panels->handles();
+    std::stable_partition(handles.begin(), handles.end(), [&](Handle one) { return one == opened; });
+    for (const Handle handle : handles) {
       const registry::Panel *found = frame.services.panels->find(handle);
       if (!found || found->isInView) continue;
       const registry::Panel panel = *found;
@@ -107,12 +114,17 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
         openSection(panel.id, panel.title);
         frame.state.isSearchWanted = true;
       }
+      if (isRevealed && handle == opened) {
+        openSection(panel.id, panel.title);
+        top = ImGui::GetCursorPosY();
+      }
       const bool isOpen = section(frame, panel.id, panel.title, panel.open);
       if (isOpen) panels.draw(frame, panel);
     }
   }
   frame.state.layout.resetSections = false;
   frame.state.sideRows.end();
+  if (isRevealed) ImGui::SetScrollY(top);
   ImGui::EndChild();
   ImGui::End();
 }

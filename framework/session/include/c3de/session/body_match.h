@@ -41,8 +41,10 @@ struct BodyMatch {
   };
   std::optional<ExpectedError> error;
   std::vector<std::optional<double>> distance_mm;  ///< [points]; none: no part of the surface faces the point
-  std::vector<double> weights;                     ///< [points] 0 … 1
-  std::vector<double> landmarkErrors_mm;           ///< [pairs]
+  /// Expected errors at the vertices of the skin; none: the points determine hardly anything there. Empty: not known.
+  std::vector<std::optional<double>> skinErrors_mm;
+  std::vector<double> weights;            ///< [points] 0 … 1
+  std::vector<double> landmarkErrors_mm;  ///< [pairs]
 };
 
 /// Deforms a body of the simulator so that its surface meets the points; the simulator is then in that state, held by the

@@ -86,6 +86,19 @@ struct ElasticMatch {
 /// @param at_mm  present positions of the landmarks with a target, in the order of RigidMatch::landmarks
 void addLandmarks(const RigidMatch &match, std::vector<Vec3> at_mm, ElasticMatch &out);
 
+/// "found", "unexplained", "ambiguous", "refused", or "given".
+[[nodiscard]] std::string verdictOf(const RigidMatch &match);
+/// Why the deformation should not be trusted: sentences with values.
+[[nodiscard]] std::vector<std::string> warningsOf(const ElasticMatch &elastic);
+/// "1.2 ± 0.3 mm, at most 2".
+[[nodiscard]] std::string errorText(const ErrorSummary &errors);
+/// The match with another of its candidates as the motion, which a person has chosen; the verdict stays. Errors (usage):
+/// no such candidate.
+/// @param skin  of the body at rest
+[[nodiscard]] Expected<RigidMatch> withCandidate(const RigidMatch &match, std::size_t candidate,
+                                                 const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                                                 ThreadPool *pool);
+
 /// `match` of a report.
 [[nodiscard]] std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic);
 /// For people: a line each.

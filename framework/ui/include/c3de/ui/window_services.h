@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "c3de/core/handle.h"
 #include "c3de/ui/tissue_table.h"
 
 namespace c3de::segmentation {
@@ -57,6 +58,8 @@ struct WindowServices {
   MeasurementList *measurements = nullptr;                 ///< a section of the side panel, and marks in the views
   MeasurementTools *measurementTools = nullptr;            ///< unfinished measurements are drawn
   PlotList *plots = nullptr;                               ///< curves of the strip below the views
+  /// A panel that a command has opened: drawn before the others, and scrolled into view once. A null handle: none.
+  std::function<Handle()> openedPanel;
 };
 
 }  // namespace c3de::ui

@@ -159,6 +159,9 @@ struct WindowActions {
   std::function<std::string(Command exported)> proposeName;
   std::function<void(const std::filesystem::path &)> openComparison;  ///< a second scan over the image
   std::function<void()> closeComparison;
+  std::function<void()> matchBody;                                     ///< opens the panel that matches a body
+  std::function<void(const std::filesystem::path &)> exportResiduals;  ///< of the last match
+  std::function<std::string()> whyNoResiduals;                         ///< why there are none; empty: there are some
   std::function<void()> closeImage, closeSimulation;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, as display text; empty if nothing
   /// Writes the session; `saved` is called after it is complete on the disk, and not after a failure.

@@ -9,6 +9,7 @@
 #include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/matching.hpp"
 #include "pointbased/surface_match.h"
+#include "pointbased/surfels.h"
 #include "simulator/world_simulator.h"
 
 namespace pointbased {
@@ -105,7 +106,19 @@ c3de_match_result resultOf(const SurfaceMatchResult &found) {
   return out;
 }
 
-std::string jsonOf(const SurfaceMatchResult &found) {
+/// Expected errors at the points of the skin, m; null where the measurement says hardly anything.
+nlohmann::json skinErrorsOf(const SurfaceMatchResult &found, const RestState &rest, const ParallelFor &parallelFor) {
+  const std::vector<double> isUnknown(found.isUnknown.begin(), found.isUnknown.end());
+  std::vector<double> errors(rest.surfels.count()), unknownPart(errors.size());
+  interpolateScalars(rest.surfels, found.expectedErrors, errors, parallelFor);
+  interpolateScalars(rest.surfels, isUnknown, unknownPart, parallelFor);
+  nlohmann::json out = nlohmann::json::array();
+  for (std::size_t s = 0; s < errors.size(); ++s)
+    out.push_back(unknownPart[s] > 0.5 ? nlohmann::json() : nlohmann::json(std::max(0.0, errors[s])));
+  return out;
+}
+
+std::string jsonOf(const SurfaceMatchResult &found, const RestState &rest, const ParallelFor &parallelFor) {
   nlohmann::json points = nlohmann::json::array(), landmarks = nlohmann::json::array();
   for (std::size_t i = 0; i < found.distances.size(); ++i) {
     nlohmann::json one{{"weight", found.weights[i]}};
@@ -114,7 +127,9 @@ std::string jsonOf(const SurfaceMatchResult &found) {
     points.push_back(std::move(one));
   }
   for (const double error : found.landmarkErrors) landmarks.push_back({{"error_m", error}});
-  return nlohmann::json{{"points", points}, {"landmarks", landmarks}}.dump();
+  nlohmann::json all{{"points", points}, {"landmarks", landmarks}};
+  if (!found.expectedErrors.empty()) all["skin_error_m"] = skinErrorsOf(found, rest, parallelFor);
+  return all.dump();
 }
 
 }  // namespace
@@ -173,7 +188,7 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
   };
   SurfaceMatchResult found = checked(kept->solver.match(pointsOf(in), landmarksOf(in), settings));
   sdk::writeStruct(out, resultOf(found), "out");
-  if (const c3de_status status = sdk::put(json, jsonOf(found)); status < 0)
+  if (const c3de_status status = sdk::put(json, jsonOf(found, *matched.rest, parallelFor)); status < 0)
     throw Error(status, "the text was not accepted");
   // A body that nothing held keeps the springs of the match, otherwise it could move freely with its forces.
   if (!matched.hasOwnSupport)
