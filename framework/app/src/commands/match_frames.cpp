@@ -16,6 +16,7 @@
 #include "c3de/session/frame_match.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
+#include "c3de/session/match_stages.h"
 #include "c3de/session/measured_frames.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/run_beginning.h"
@@ -94,8 +95,8 @@ std::string tableOf(const Sequence &sequence) {
     };
     text += fmt::format("{},{},{:.4g},{},{},{},{},{:.6g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
                         csvCell(frame.name), number(frame.time_s.has_value(), frame.time_s.value_or(0.0)), match.wall_s,
-                        match.rigid.points, match.rigid.isGiven ? "given" : nameOf(match.rigid.rigid.verdict),
-                        body && body->hasConverged ? 1 : 0, body ? body->iterations : 0, match.rigid.rigid.after.rms_mm,
+                        match.rigid.points, verdictOf(match.rigid), body && body->hasConverged ? 1 : 0,
+                        body ? body->iterations : 0, match.rigid.rigid.after.rms_mm,
                         number(body.has_value(), body ? body->after_mm : 0.0),
                         number(body.has_value(), body ? body->usedPart : 0.0),
                         number(body && body->error, body && body->error ? body->error->rms_mm : 0.0),
@@ -154,20 +155,6 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
   return out;
 }
 
-std::string nameInSimulator(const scene::SceneFile &scene, const std::string &name) {
-  for (const scene::SceneBody &body : scene.bodies)
-    if (!body.volume.slides.empty() && scene::nameOfRest(body) == name) return body.name;
-  return name;
-}
-
-Expected<geometry::TriangleMesh> skinOf(Session &session, c3de_object *simulator, const std::string &body) {
-  auto states = readBodyStates(simulator, BodyParts::skin, [&session] { return session.plugins().takeError(); });
-  if (!states) return tl::unexpected(states.error());
-  for (BodyState &state : *states)
-    if (state.name == body && !state.skin.triangles.empty()) return std::move(state.skin);
-  return fail(ErrorCode::plugin, "the simulator has no skin for body '" + body + "'");
-}
-
 Expected<void> writeReport(const MatchOptions &options, const HeadlessRun &run, RunFacts facts,
                            const Sequence &sequence, WrittenOutputs &outputs) {
   if (!options.frameTable.empty())
@@ -220,8 +207,8 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
     return tl::unexpected(built.error());
   const std::string name = nameInSimulator(*scene, wanted->body);
-  const auto skin = skinOf(session, simulator.get(), name);
-  if (!skin) return tl::unexpected(skin.error());
+  const auto skins = skinsOf(simulator.get(), name, [&session] { return session.plugins().takeError(); });
+  if (!skins) return tl::unexpected(skins.error());
   // A run without a step has the facts of a report; the session has adopted the simulator then.
   RunOptions still;
   still.session = options.run.session;
@@ -232,7 +219,7 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   if (const auto ran = atRest.run(); !ran) return tl::unexpected(ran.error());
   std::optional<SimulationExport> timeline;
   if (!options.run.exportList.empty()) timeline.emplace(options.run.exportList);
-  auto sequence = matchAll(session, simulator.get(), *scene, name, *skin, *wanted, std::move(*frames),
+  auto sequence = matchAll(session, simulator.get(), *scene, name, skins->rest, *wanted, std::move(*frames),
                            timeline ? &*timeline : nullptr, progress);
   line.finish();
   if (timeline) outputs.note(options.run.exportList, timeline->finish());

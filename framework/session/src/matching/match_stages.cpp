@@ -100,7 +100,8 @@ Expected<RigidMatch> findMotion(const geometry::TriangleMesh &skin, const MatchT
 Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &body, const RigidMatch &rigid,
                                   const MatchTargets &targets, const std::vector<Landmark> &landmarks,
                                   const scene::SceneMatch &match, const char *owner,
-                                  const std::function<std::string()> &takeError, const ProgressFn &progress) {
+                                  const std::function<std::string()> &takeError, const ProgressFn &progress,
+                                  bool continuesLast) {
   const auto begin = std::chrono::steady_clock::now();
   registration::MeasuredSurface measured = targets.surface;
   if (match.fitsLandmarks)
@@ -108,7 +109,8 @@ Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &bod
       if (one.target_mm) measured.pairs.push_back({one.reference_mm, *one.target_mm});
   BodyMatchOptions how;
   how.measuredFromBody = rigid.rigid.measuredFromBody;
-  how.isMotionKnown = rigid.isGiven;
+  how.isMotionKnown = !match.isRigidFirst;
+  how.continuesLast = continuesLast;
   how.noise_mm = match.noise_mm;
   auto found = matchBody(simulator, body, measured, how, owner, takeError, progress);
   ElasticMatch out;

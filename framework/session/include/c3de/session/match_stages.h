@@ -51,11 +51,12 @@ struct BodySkins {
 /// @param body       its name in the simulator
 /// @param landmarks  with their bodies (findBodies)
 /// @param owner      plugin of the simulator
+/// @param continuesLast  from the state of the last match of this body instead of the body at rest
 [[nodiscard]] Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &body,
                                                 const RigidMatch &rigid, const MatchTargets &targets,
                                                 const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
                                                 const char *owner, const std::function<std::string()> &takeError,
-                                                const ProgressFn &progress);
+                                                const ProgressFn &progress, bool continuesLast = false);
 
 /// Adds the landmarks after the deformation. Probes are added and removed again: pause the log of changes. Errors as of
 /// measure(). [sim]
