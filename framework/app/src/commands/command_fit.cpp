@@ -38,7 +38,7 @@ Handler declareFit(CLI::App &app, CommandLine &line) {
                  "With a [[load]]: the probe whose displacement was measured; default: the only one of the body")
       ->type_name("NAME");
   addParsed(app, "--noise", options->noise,
-            "Standard deviation of what was measured: N, or mm with a [[load]]; default: not known",
+            "Standard deviation of the measurement noise: N, or mm with a [[load]]; default: not known",
             [](const std::string &text) { return parseDecimal(text, 1e-12, 1e6, "N or mm"); })
       ->type_name("N");
   app.add_option("--set", options->run.overrides,

@@ -49,7 +49,8 @@ void declareMeasured(CLI::App &app, MatchOptions &options) {
   surface->excludes(points)->excludes(labels);
   points->excludes(labels);
   app.add_option("--label", options.label, "Number or name of the label of --labels")->type_name("LABEL");
-  app.add_option("--measured-unit", options.unit, "Unit of --surface or --points; default: that in the file, or mm")
+  app.add_option("--measured-unit", options.unit,
+                 "Unit of --surface, --points or --frames; default: that in the file, or mm")
       ->type_name("UNIT");
   app.add_flag("--rigid", options.isRigid, "Find the rigid motion only; default: the body deforms as well");
   addPositive(app, "--noise", options.noise_mm, "mm", "Standard deviation of the measurement noise, mm; default: 1")
@@ -122,7 +123,7 @@ Handler declareMatch(CLI::App &app, CommandLine &line) {
       "Examples:\n"
       "    c3de match SCENE.toml --report r.json                  # a scene with [match]\n"
       "    c3de match SCENE.toml --points points.csv --noise 2\n"
-      "    c3de match SCENE.toml --frames points --frame-table - # a folder of frames, one table each\n"
+      "    c3de match SCENE.toml --frames points --frame-table -  # a folder of frames, one table each\n"
       "    c3de match SCENE.toml --labels followup.nii.gz --label 1 --target-landmarks targets.csv\n"
       "Not for clinical use.");
   return [options, &line] { return run(*options, line); };

@@ -120,7 +120,7 @@ Expected<Fitted> fit(const FitOptions &options, Session &session, WrittenOutputs
   const auto beginning = readBeginning(options.run, session, progress);
   if (!beginning) return tl::unexpected(beginning.error());
   if (beginning->saved || beginning->replay)
-    return fail(ErrorCode::usage, pathText(options.run.scene) + ": is no scene; accepted: a scene (.toml)");
+    return fail(ErrorCode::usage, pathText(options.run.scene) + ": not a scene; accepted: a scene (.toml)");
   const SharedScene scene = std::get<SharedScene>(beginning->source.front());
   const auto measured = measuredOf(options, *scene);
   if (!measured) return tl::unexpected(measured.error());

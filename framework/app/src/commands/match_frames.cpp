@@ -185,7 +185,7 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   const auto beginning = readBeginning(options.run, session, progress);
   if (!beginning) return tl::unexpected(beginning.error());
   if (beginning->saved || beginning->replay)
-    return fail(ErrorCode::usage, pathText(options.run.scene) + ": is no scene; accepted: a scene (.toml) or a mesh");
+    return fail(ErrorCode::usage, pathText(options.run.scene) + ": not a scene; accepted: a scene (.toml) or a mesh");
   const SharedScene scene = std::get<SharedScene>(beginning->source.front());
   const auto wanted = wantedOf(options, *scene);
   if (!wanted) return tl::unexpected(wanted.error());
@@ -256,14 +256,14 @@ int matchFrames(const MatchOptions &options) {
       total += frame.match.wall_s;
       if (&frame != &sequence->frames.front()) longest = std::max(longest, frame.match.wall_s);
       const auto &body = frame.match.elastic.body;
-      printOut(fmt::format("frame {}: rms {:.3g} mm{}{}\n", frame.name,
+      printOut(fmt::format("frame {}: rms {:.3g} mm{}\n", frame.name,
                            body ? body->after_mm : frame.match.rigid.rigid.after.rms_mm,
-                           body ? fmt::format(" after {} iterations", body->iterations) : " after the rigid motion",
-                           body && !body->hasConverged ? ", not converged" : ""));
+                           body ? fmt::format(" after {} iterations", body->iterations) : " after the rigid motion"));
+      for (const std::string &warning : frame.match.rigid.rigid.warnings) printOut("  warning: " + warning + "\n");
+      for (const std::string &warning : warningsOf(frame.match.elastic)) printOut("  warning: " + warning + "\n");
     }
-    printOut(
-        fmt::format("{} of {} frames in {:.3g} s, a frame after the first at most {:.3g} s; not for clinical use\n",
-                    sequence->frames.size(), sequence->planned, total, longest));
+    printOut(fmt::format("{} of {} frames in {:.3g} s, longest after the first {:.3g} s; not for clinical use\n",
+                         sequence->frames.size(), sequence->planned, total, longest));
   }
   ExitCode exitCode = kDone;
   if (!sequence->failure.empty())

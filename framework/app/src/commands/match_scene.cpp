@@ -173,7 +173,7 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   const auto beginning = readBeginning(options.run, session, progress);
   if (!beginning) return tl::unexpected(beginning.error());
   if (beginning->saved || beginning->replay)
-    return fail(ErrorCode::usage, pathText(options.run.scene) + ": is no scene; accepted: a scene (.toml) or a mesh");
+    return fail(ErrorCode::usage, pathText(options.run.scene) + ": not a scene; accepted: a scene (.toml) or a mesh");
   const SharedScene scene = std::get<SharedScene>(beginning->source.front());
   const auto wanted = matchOf(options, *scene);
   if (!wanted) return tl::unexpected(wanted.error());

@@ -32,9 +32,9 @@ const char *meaningOf(const RigidMatch &match) {
   using Verdict = registration::RegistrationVerdict;
   if (match.isGiven) return "The position was given";
   switch (match.rigid.verdict) {
-    case Verdict::found: return "One motion fits, and the noise explains what remains";
+    case Verdict::found: return "One motion fits, and the noise explains the residual";
     case Verdict::unexplained:
-      return "One motion fits best, but more remains than the noise explains. The body has changed its "
+      return "One motion fits best, but the residual is larger than the noise explains. The body has changed its "
              "shape, or the points are of another body";
     case Verdict::ambiguous: return "Several motions fit equally well, or a part of the motion is not determined";
     case Verdict::refused: return "No motion is credible";
@@ -48,7 +48,7 @@ Section verdictSection(const MatchTargets &targets, const RigidMatch &match, std
   out.rows.push_back({"Verdict", verdictOf(match)});
   out.rows.push_back({"Meaning", meaningOf(match)});
   if (chosen) out.rows.push_back({"Motion", fmt::format("candidate {}, chosen by you", *chosen + 1)});
-  out.rows.push_back({"Measured", fmt::format("{} points of {}", match.points, pathText(targets.file.filename()))});
+  out.rows.push_back({"Measured", fmt::format("{} points from {}", match.points, pathText(targets.file.filename()))});
   out.rows.push_back({"Inliers", fmt::format("{:.0f} % within {:.3g} mm{}", 100.0 * rigid.after.inlierShare,
                                              rigid.after.limit_mm, match.isGiven ? "" : " after the motion")});
   if (match.isGiven) return out;
@@ -88,7 +88,7 @@ Section deformationSection(const ElasticMatch &elastic) {
   out.rows.push_back({"Expected error", fmt::format("{:.2g} mm rms, at most {:.2g}, without errors of the model",
                                                     body.error->rms_mm, body.error->largest_mm)});
   out.rows.push_back(
-      {"Not known", fmt::format("{:.0f} % of the body is hardly determined", 100.0 * body.error->unknownPart)});
+      {"Unknown part", fmt::format("{:.0f} % of the body is hardly determined", 100.0 * body.error->unknownPart)});
   return out;
 }
 

@@ -380,11 +380,11 @@ C3DE_EMBED_API c3de_status c3de_embed_replay(c3de_sim sim, const c3de_embed_run_
 
 /* ---- revision 3: measurements (not for clinical use) ---- */
 
-#define C3DE_EMBED_MATCH_IN_PLACE 1u   /* the position is given: no rigid motion is sought, and none is found */
+#define C3DE_EMBED_MATCH_IN_PLACE 1u   /* the position is given: the rigid motion is not searched for */
 #define C3DE_EMBED_MATCH_RIGID_ONLY 2u /* the body is not deformed */
 #define C3DE_EMBED_MATCH_FIT 4u        /* landmarks take part in the fit; otherwise they only evaluate the result */
 /* Starts from motion and deformation of the last match of this simulation and body, as for the next frame of a sequence:
- * no rigid search is made. Without an earlier one that can be used, it has no effect. */
+ * no rigid search is made. Without an earlier usable match it has no effect. */
 #define C3DE_EMBED_MATCH_CONTINUE 8u
 
 /* What was measured of the surface of a body; either points or a file. */
@@ -405,7 +405,7 @@ typedef struct c3de_embed_match_options {
   void *progress_self;
 } c3de_embed_match_options;
 
-/* Brings a body to what was measured. The simulation is then in the matched state, held by the forces that were found,
+/* Matches a body to what was measured. The simulation is then in the matched state, held by the forces that were found,
  * if `verdict` is found, unexplained or given. json: `match` of the report of `c3de match`, lengths in mm.
  * C3DE_E_NOT_FOUND: there is no such body; C3DE_E_ARG: a value is refused; C3DE_E_FORMAT: the file is unreadable, or the
  * points cannot be used; C3DE_E_UNSUPPORTED: the simulator matches no bodies; C3DE_E_CANCELLED. Nothing has changed after
@@ -416,7 +416,7 @@ C3DE_EMBED_API c3de_status c3de_embed_match(c3de_sim sim, uint64_t body, const c
 #define C3DE_EMBED_FIT_WATCHED 1u /* watched_m is set */
 
 /* A measured loading curve, in its order; either arrays or a file. Either one [[fix]] of the scene moves, and its
- * reaction was measured, or one [[load]] acts, and the displacement of a material point was. */
+ * reaction was measured, or one [[load]] acts, and the displacement of a material point was measured. */
 typedef struct c3de_embed_fit_options {
   uint32_t size;
   uint32_t flags;                /* C3DE_EMBED_FIT_WATCHED */
@@ -425,7 +425,7 @@ typedef struct c3de_embed_fit_options {
   uint64_t points_n;
   const char *curve_file;       /* null, or a CSV with displacement_mm and force_N, as `c3de fit --curve` */
   double watched_m[3];          /* with a load: reference position of the material point */
-  double noise;                 /* standard deviation of what was measured, N or m; 0: not known */
+  double noise;                 /* standard deviation of the measurement noise, N or m; 0: not known */
   c3de_embed_progress progress; /* may be null */
   void *progress_self;
 } c3de_embed_fit_options;

@@ -146,7 +146,7 @@ class Body:
         - displacement: m, of the loading, in order; or a file as of `c3de fit --curve`, in mm
         - force: N
         - at: with a force: reference position of the material point, m
-        - noise: standard deviation of what was measured, N or m; 0: not known
+        - noise: standard deviation of the measurement noise, N or m; 0: not known
         - progress: as of match()
 
         Raises Error: kind "format", the curve or the scene is refused; "unsupported", "cancelled" as match().

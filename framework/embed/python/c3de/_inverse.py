@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bodies and what was measured of them: matching, stiffness, sensitivities. Not for clinical use."""
+"""Matching of bodies to measurements, stiffness from curves, sensitivities. Not for clinical use."""
 
 import ctypes as c
 import json
@@ -23,7 +23,7 @@ Progress = Union[bool, Callable[[float, str], Any]]
 
 
 class Match(NamedTuple):
-    """How a body was brought to what was measured. Not for clinical use.
+    """The result of matching a body to measured points. Not for clinical use.
 
     - verdict: "found"; "given", the position was given; "unexplained", the noise does not explain the residual of the
       rigid motion; "ambiguous", several motions fit equally well; "refused", none is credible. The body is in the matched
@@ -64,8 +64,8 @@ class Modulus(NamedTuple):
 
     - material: name of the body, or of a tissue
     - value: Pa
-    - low, high: 95 % interval of confidence, Pa, without errors of the model; high is inf where there is no limit
-    - own: it was fitted by itself; False: it has a common factor with the other materials of the body
+    - low, high: 95 % confidence interval, Pa, without errors of the model; high is inf where there is no limit
+    - own: it was fitted separately; False: it has a common factor with the other materials of the body
     """
     material: str
     value: float
@@ -77,8 +77,8 @@ class Modulus(NamedTuple):
 class Fit(NamedTuple):
     """The stiffness of a body from a measured curve. Not for clinical use.
 
-    - verdict: "found"; "unexplained", the model does not have the shape of the curve; "undetermined", the interval is
-      wider than a factor of two
+    - verdict: "found"; "unexplained", the model does not have the shape of the curve; "undetermined", the interval
+      extends beyond half or twice the modulus
     - moduli: one per material
     - predicted: of the fitted model at the points of the curve: N, or m where a force was prescribed
     - residual: root mean square per degree of freedom, same unit

@@ -76,7 +76,7 @@ Json listAt(const Json &object, const char *key) {
 Expected<BodyFit> fitOf(const c3de_fit_result &result, const std::string &text, std::size_t points) {
   const Json details = Json::parse(text, nullptr, false);
   const auto unreadable = [] {
-    return fail(ErrorCode::plugin, "the details of the fit are not those of its interface");
+    return fail(ErrorCode::plugin, "the details of the fit do not have the form of the interface");
   };
   if (!details.is_object() || result.verdict > C3DE_FIT_UNDETERMINED) return unreadable();
   BodyFit out;
@@ -201,11 +201,11 @@ std::vector<std::string> fitLines(const BodyFit &fit, const ForceCurve &curve, c
                               nameOf(fit.verdict), curve.force_N.size(), fit.solutions, facts.wall_s, kNotClinical));
   const bool isCommon = fit.moduli.size() > 1 && !fit.moduli.front().isOwn;
   for (const FittedMaterial &one : fit.moduli)
-    lines.push_back(fmt::format("{}: Young's modulus {:.5g} Pa, 95 % interval {:.5g} … {} Pa{}", one.material,
-                                one.value_Pa, one.low_Pa, one.high_Pa ? fmt::format("{:.5g}", *one.high_Pa) : "∞",
-                                one.isOwn ? "" : ", by a common factor"));
+    lines.push_back(fmt::format(
+        "{}: Young's modulus {:.5g} Pa, 95 % confidence interval {:.5g} … {} Pa{}", one.material, one.value_Pa,
+        one.low_Pa, one.high_Pa ? fmt::format("{:.5g}", *one.high_Pa) : "∞", one.isOwn ? "" : ", by a common factor"));
   if (isCommon)
-    lines.emplace_back("the curve does not determine the moduli one by one: their ratios are those of the scene");
+    lines.emplace_back("the curve does not determine the moduli individually: their ratios are those of the scene");
   lines.push_back(fmt::format("residual {:.3g} {}, {:.2g} % of the measured values", shownScale(fit) * fit.residual,
                               shownUnit(fit), 100.0 * fit.residual / fit.measured));
   if (!fit.reason.empty()) lines.push_back("  warning: " + fit.reason);

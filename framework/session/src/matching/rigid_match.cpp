@@ -127,13 +127,13 @@ std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
   if (elastic.body->usedPart < kFewPoints)
     out.push_back(
         fmt::format("the deformation uses {:.0f} % of the points: the others are farther away than the noise "
-                    "explains; is it larger, or are they of another body?",
+                    "explains; the noise may be larger, or they may be of another body",
                     100.0 * elastic.body->usedPart));
   constexpr double kLargePart = 0.2;
   if (const auto &error = elastic.body->error; error && error->unknownPart > kLargePart)
     out.push_back(fmt::format(
-        "the points hardly determine {:.0f} % of the body; more of its surface, landmarks near its supports, or a "
-        "known position do",
+        "the points hardly determine {:.0f} % of the body; measure more of its surface or landmarks near its supports, "
+        "or give its position",
         100.0 * error->unknownPart));
   if (!elastic.body->error)
     out.push_back("the error of the deformation is not known, because its equilibrium is not stable; do not trust it");

@@ -119,7 +119,7 @@ void MatchPanel::drawMeasured(const c3de_ui_v1 &ui, const MatchView &view) {
   }
   slider(ui, "noise", "Noise", "mm", wanted.noise_mm, kLeastNoise_mm, kMostNoise_mm,
          "Standard deviation of the measurement noise. It decides which points are outliers, and whether it explains "
-         "what remains");
+         "the residual");
 }
 
 void MatchPanel::drawLabels(const c3de_ui_v1 &ui, const MatchView &view) {
@@ -129,7 +129,7 @@ void MatchPanel::drawLabels(const c3de_ui_v1 &ui, const MatchView &view) {
       file = view.openLabels;
       registry::copyText(labels_.data(), labels_.size(), pathText(file));
     }
-    tooltip(ui, "Its labels are then offered by name");
+    tooltip(ui, "Its labels can then be chosen by name");
   }
   fileRow(ui, "labels", "Label map…", {},
           "A label map of the body in the position in which it was measured: NIfTI, NRRD, MetaImage, DICOM", labels_,
@@ -151,7 +151,7 @@ void MatchPanel::drawLandmarks(const c3de_ui_v1 &ui) {
   scene::SceneMatch &wanted = form_.wanted;
   fileRow(ui, "landmarks", "Target landmarks…", kPointExtensions,
           "Where landmarks of Measurements with the same names were measured. Without a file: the targets of the "
-          "landmarks, where they have some",
+          "landmarks, if they have any",
           landmarks_, wanted.landmarks);
   if (!wanted.landmarks.empty() && button(ui, "no_landmarks", "Without target landmarks")) {
     wanted.landmarks.clear();
@@ -159,7 +159,7 @@ void MatchPanel::drawLandmarks(const c3de_ui_v1 &ui) {
   }
   std::uint32_t use = wanted.fitsLandmarks ? 1 : 0;
   choice(ui, "use", "Landmarks", use, {"judge the result", "are fitted"});
-  tooltip(ui, "Landmarks that judge are not used to find the result, so that they measure its error");
+  tooltip(ui, "Landmarks that judge the result are not fitted, so that they measure its error");
   wanted.fitsLandmarks = use == 1;
   if (wanted.fitsLandmarks)
     slider(ui, "weight", "Weight", "points", wanted.landmarkWeight, 1.0, kMostWeight,
@@ -208,10 +208,10 @@ void MatchPanel::drawResult(const c3de_ui_v1 &ui, const MatchTexts &result) {
     if (isLong) ui.list_end(ui.ctx);
   }
   slider(ui, "arrows", "Arrows", "×", arrowScale_, 1.0, kLongestArrows,
-         "By which factor the arrows are longer than the residuals. They point from the surface to the measured point");
+         "Factor by which the arrows are longer than the residuals. They point from the surface to the measured point");
   text(ui,
-       "The measured points are drawn in the space of the body: moved by the inverse of the motion. Scene shows and "
-       "hides them.");
+       "The measured points are drawn in the space of the body: moved by the inverse of the motion. The panel "
+       "Scene shows and hides them.");
 }
 
 void MatchPanel::drawCandidates(const c3de_ui_v1 &ui, const MatchTexts &result) {

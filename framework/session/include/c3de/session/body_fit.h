@@ -22,7 +22,7 @@ struct BodyFitOptions {
   /// Reference position, m, of the point whose displacement was measured while a force of the scene acted; none: the
   /// displacement of a support is prescribed, and its reaction was measured
   std::optional<Vec3> watched_m;
-  double noise = 0.0;  ///< standard deviation of what was measured, N (or m with `watched_m`); 0: unknown
+  double noise = 0.0;  ///< standard deviation of the measurement noise, N (or m with `watched_m`); 0: unknown
 };
 
 enum class FitVerdict : std::uint32_t {

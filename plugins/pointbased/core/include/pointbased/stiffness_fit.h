@@ -25,19 +25,19 @@ enum class CurveControl {
   load      ///< the only force; the displacement of a material point is measured
 };
 
-/// A body as it was measured. Its conditions say what is prescribed: either one support is displaced, or one force acts.
+/// A body as it was measured. Its conditions prescribe either the displacement of one support, or one force.
 /// Displacement and force of the curve are the components along the direction of that displacement or force, whose
-/// magnitude is of no effect.
+/// magnitude has no effect.
 struct StiffnessModel {
   std::shared_ptr<const RestState> rest;
   Constitution constitution;    ///< the moduli from which the fit starts
   Foundation foundation;        ///< its stiffness is not fitted
-  Vec3 gravity = Vec3::Zero();  ///< m/s²; it acts before the measurement, which counts from the state that it causes
+  Vec3 gravity = Vec3::Zero();  ///< m/s²; it acts before the measurement, which is relative to the state under gravity
   std::optional<Vec3> watchedPoint;  ///< reference position, world, m; required for CurveControl::load
 };
 
 struct StiffnessFitSettings {
-  double noise = 0.0;       ///< standard deviation of what is measured, N or m; 0: unknown
+  double noise = 0.0;       ///< standard deviation of the measurement noise, N or m; 0: unknown
   int maxIterations = 25;   ///< of Gauss-Newton; > 0
   bool fitsEachOne = true;  ///< the moduli of several materials one by one, where the curve determines them
   const StopRequest *stop = nullptr;
@@ -47,13 +47,13 @@ struct StiffnessFitSettings {
 enum class StiffnessVerdict {
   found,
   unexplained,  ///< the residuals are not those of noise: the model does not have the shape of the curve
-  undetermined  ///< the interval of confidence is wider than a factor of two
+  undetermined  ///< the confidence interval extends beyond half or twice the modulus
 };
 
 struct FittedModulus {
   double value = 0.0, low = 0.0,
-         high = 0.0;   ///< Pa; 95 % interval of confidence of Student's t, without errors of the model
-  bool isOwn = false;  ///< fitted by itself; otherwise it has a common factor with others
+         high = 0.0;   ///< Pa; 95 % confidence interval by Student's t, without errors of the model
+  bool isOwn = false;  ///< fitted separately; otherwise it has a common factor with others
 };
 
 struct StiffnessFit {
@@ -79,8 +79,9 @@ struct StiffnessFit {
 ///
 /// by Gauss-Newton in log E with the exact derivatives of EquilibriumSensitivitySolver. Curves of more than twelve
 /// different points are interpolated between eleven solutions at Chebyshev points. Ratios of moduli, Poisson's ratio and
-/// volumeStiffness do not change, except for ratios that the curve determines.
-/// Errors: conditions that do not say what is prescribed; what the sensitivities refuse; fewer than four points that
+/// volumeStiffness do not change, except for ratios that the curve determines. Gravity can cause several minima: ten and a
+/// hundred times the moduli are then tried as further starts.
+/// Errors: conditions that do not define what is prescribed; what the sensitivities refuse; fewer than four points that
 /// differ; values that are not finite, negative or decreasing; no equilibrium; forces against the displacement;
 /// "cancelled".
 /// @threads one at a time for a model; bitwise identical for any number behind parallelFor

@@ -47,7 +47,7 @@ struct SurfaceMatchSettings {
   bool isMotionKnown = false;      ///< `start` is exact and remains
   double largestAngle_deg = 75.0;  ///< 0 … 180: between the normals of a point and of the skin near it
   int maxIterations = 40;          ///< >= 1, of the loads, and as many of the springs
-  /// Whether expectedErrors and isUnknown are found; where springs act at 84 linear solves with the tangent.
+  /// Whether expectedErrors and isUnknown are computed. Where springs act, they cost 84 linear solves with the tangent.
   bool findsExpectedErrors = true;
   const StopRequest *stop = nullptr;
   /// Called in each iteration on the calling thread; false: cancelled.
@@ -66,7 +66,7 @@ struct SurfaceMatchResult {
   /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion
   /// and the loads that are expected a priori; errors of the material are not included. Empty: not requested, or the equilibrium is not stable.
   std::vector<double> expectedErrors;
-  std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement says hardly anything about it
+  std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement hardly determines it
   double usedPart = 0.0;                ///< part of the points with a weight above a half
   int iterations = 0;                   ///< rounds of closest points
   double stiffness = 0.0;               ///< N/m, τ/σ² of a point; 0: loads alone explain the distances
@@ -83,7 +83,7 @@ struct SurfaceMatchResult {
 /// modulus cancels. Amplitudes q and motion follow together from a Gauss-Newton step. Closest points, normals and the
 /// weights w (Huber's, in the end Tukey's) are found anew in each iteration.
 ///
-/// Where smooth loads leave distances above the noise, springs between points and skin follow, of a stiffness τ/σ² that
+/// Where smooth loads leave distances above the noise, springs between points and skin are added. Their stiffness τ/σ²
 /// increases until the distances are those of the noise. They also replace the loads if these have no equilibrium.
 ///
 /// Limitation: if the motion is unknown, only the deformation of the seen part is measured. That of other parts is

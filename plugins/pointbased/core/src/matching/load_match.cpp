@@ -83,15 +83,26 @@ Result<void> LoadMatch::respond() {
   StageProblem problem(body_, environment_, stage_);
   const std::vector<Vec3> at = u();
   if (!problem.setState(at)) return tl::unexpected(std::string("the state of the body is not finite"));
-  std::vector<std::vector<Vec3>> responses(patterns_.count());
-  std::vector<Vec3> forces(at.size());
+  // The responses of a state before are near: only their residual is solved for.
+  std::vector<std::vector<Vec3>> responses = responses_;
+  responses.resize(patterns_.count(), std::vector<Vec3>(at.size(), Vec3::Zero()));
+  std::vector<Vec3> forces(at.size()), product(at.size()), change(at.size());
   for (std::size_t p = 0; p < responses.size(); ++p) {
     patterns_.forces(p, forces);
-    responses[p].resize(at.size());
-    if (auto done = tangent_.solve(problem, forces, responses[p], kLinearTolerance, kMaxLinearIterations,
+    clearPrescribed(problem, forces);
+    const double size = std::sqrt(dot(forces, forces));
+    if (!responses_.empty()) {
+      problem.product(responses[p], product);
+      for (std::size_t i = 0; i < at.size(); ++i) forces[i] -= product[i];
+      clearPrescribed(problem, forces);
+    }
+    const double residual = std::sqrt(dot(forces, forces));
+    if (residual <= kLinearTolerance * size) continue;
+    if (auto done = tangent_.solve(problem, forces, change, kLinearTolerance * size / residual, kMaxLinearIterations,
                                    Preconditioner::automatic, settings_.stop);
         !done)
       return done;
+    for (std::size_t i = 0; i < at.size(); ++i) responses[p][i] += change[i];
   }
   responses_ = std::move(responses);
   respondedAt_ = at;

@@ -31,13 +31,13 @@ std::string obstacleTo(const Body &body, const Environment &environment) {
   return {};
 }
 
+}  // namespace
+
 void clearPrescribed(const IncrementalPotential &problem, std::span<Vec3> v) {
   const std::span<const std::uint8_t> mask = problem.prescribed();
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (mask[i] != 0) v[i].setZero();
 }
-
-}  // namespace
 
 Result<void> EquilibriumTangent::linearise(Body &body, const Environment &environment, double loadFactor) {
   POINTBASED_EXPECTS(environment.parallelFor != nullptr, "a loop for the work");

@@ -10,6 +10,9 @@
 
 namespace pointbased::detail {
 
+/// v = 0 on prescribed phyxels.
+void clearPrescribed(const IncrementalPotential &problem, std::span<Vec3> v);
+
 /// K^-1 b for the Hessian K of a potential at its present state, by preconditioned conjugate gradients. The
 /// preconditioner is kept between solves.
 class TangentSolver {

@@ -53,7 +53,7 @@ std::string problemOf(std::span<const CurvePoint> curve, CurveControl control, c
   }
   if (different < kFewestPoints)
     return std::to_string(different) + (isSupport ? " different displacements" : " different forces") +
-           " above 0; accepted: " + std::to_string(kFewestPoints) + " at least";
+           " above 0; accepted: " + std::to_string(kFewestPoints) + " or more";
   if (measured == 0.0) return std::string("every ") + (isSupport ? "force" : "displacement") + " is 0";
   return {};
 }
@@ -142,7 +142,7 @@ class Fit {
     if (!isAgainst) return tl::unexpected(std::move(why));
     return tl::unexpected(
         std::string(isSupport ? "the measured forces act against the displacement that the scene prescribes"
-                              : "the measured displacements are against those that the force of the scene causes") +
+                              : "the measured displacements are opposite to those that the force of the scene causes") +
         "; both must be positive in its direction");
   }
 
@@ -237,12 +237,12 @@ class Fit {
                     " of the measured values: the model does not have the shape of the curve";
     else if (settings_.noise == 0.0 && rms > kSystematic * out_.measured && detail::areCorrelated(ordered))
       out_.reason = "the residuals, " + percent(rms / out_.measured) +
-                    " of the measured values, follow each other: the model does not have the shape of the curve";
+                    " of the measured values, are serially correlated: the model does not have the shape of the curve";
     else
       out_.verdict = StiffnessVerdict::found;
     if (out_.verdict != StiffnessVerdict::found || halfWidth < kDetermined) return;
     out_.verdict = StiffnessVerdict::undetermined;
-    out_.reason = "the interval of confidence is wider than a factor of two: fewer points than the noise requires";
+    out_.reason = "the confidence interval extends beyond half or twice the modulus: the noise requires more points";
   }
 
   StiffnessFit finish() {
