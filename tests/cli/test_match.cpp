@@ -271,6 +271,36 @@ TEST_CASE("A bent beam is matched to a part of its surface, and continues from t
                  WithinAbs(start["landmarks"][i]["position_mm"][a].get<double>(), 0.2 * before));
 }
 
+TEST_CASE("Landmarks of another body take no part, and distances of the scene do not matter") {
+  const fs::path folder = freshFolder("match_two_bodies");
+  std::string scene = readFile(organScene());
+  const std::string meshes = resource("meshes").generic_string();
+  for (std::size_t at = 0; (at = scene.find("../meshes", at)) != std::string::npos;) scene.replace(at, 9, meshes);
+  scene +=
+      "\n[[body]]\nname = \"small\"\nmesh = \"" + meshes +
+      "/organ.obj\"\nmesh_unit = \"mm\"\nscale = 0.3\nposition = [0.028, 0.26, 0.0]\nmaterial = { law = "
+      "\"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.45, density = 1060.0 }\nsampling = { count = 200 }\n"
+      "[[landmark]]\nname = \"rim\"\non = \"organ\"\nat = [0.12, 0.16, 0.0]\n"
+      "[[landmark]]\nname = \"small\"\non = \"small\"\nat = [0.028, 0.26, 0.0]\n"
+      "[[distance]]\nname = \"apart\"\nbetween = [\"rim\", \"small\"]\n";
+  writeFile(folder / "two.toml", scene);
+  const std::string targets =
+      writeFile(folder / "targets.csv", "name,x_mm,y_mm,z_mm\nrim,0.31,50.13,208.93\nsmall,500,500,500\n").string();
+  const std::vector<std::string> options{"--body", "organ", "--points", organPoints(), "--target-landmarks",
+                                         targets,  "--use", "fit"};
+  const Answer out = matched("two_bodies", (folder / "two.toml").string(), options);
+  INFO(out.result.errorOutput << out.result.output);
+  REQUIRE(out.result.exitCode == 0);
+  const json &landmarks = out.report["match"]["landmarks"];
+  REQUIRE(landmarks.size() == 1);
+  CHECK(landmarks[0]["name"] == "rim");
+  CHECK(landmarks[0]["error_mm"]["after"].get<double>() < 4.0);
+  writeFile(folder / "targets.csv", "name,x_mm,y_mm,z_mm\nsmall,500,500,500\n");
+  const Answer none = matched("two_bodies", (folder / "two.toml").string(), options);
+  CHECK(none.result.exitCode == 2);
+  CHECK_THAT(none.result.errorOutput, Contains("no landmark of body 'organ'"));
+}
+
 TEST_CASE("The lung: masks of two breathing states, and the landmark error after the rigid motion") {
   C3DE_DATA_OR_SKIP(data, "match/lung");
   const fs::path folder = freshFolder("match_lung");

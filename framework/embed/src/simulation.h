@@ -204,6 +204,7 @@ class EmbeddedSimulation {
   std::string inverse_;  ///< of the last match, fit or sensitivity
   struct LastMatch {
     std::uint64_t body = 0;
+    bool isRigidFirst = true;
     Mat4 measuredFromBody = kIdentity4;
   };
   std::optional<LastMatch> lastMatch_;  ///< none: there is none, or it cannot be continued

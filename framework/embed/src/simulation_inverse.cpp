@@ -164,8 +164,13 @@ Result<const char *> EmbeddedSimulation::match(std::uint64_t index, const c3de_e
   request.landmarks = std::move(*landmarks);
   const auto skin = restSkinOf(body);
   if (!skin) return tl::unexpected(skin.error());
+  const auto table = session::matchingTable(simulator_->get());
+  if (!table) return refuse(table.error());
+  if (request.wanted.deforms && *table == nullptr)
+    return refuse(C3DE_E_UNSUPPORTED, fmt::format("simulator {} does not match bodies", identity_.classId));
   const bool continues = (in.flags & C3DE_EMBED_MATCH_CONTINUE) != 0;
-  if (continues && lastMatch_ && lastMatch_->body == index)
+  if (continues && request.wanted.deforms && lastMatch_ && lastMatch_->body == index &&
+      lastMatch_->isRigidFirst == request.wanted.isRigidFirst)
     request.measuredFromBodyBefore = lastMatch_->measuredFromBody;
   lastMatch_.reset();
   const Running running(*this);
@@ -173,7 +178,7 @@ Result<const char *> EmbeddedSimulation::match(std::uint64_t index, const c3de_e
                                          running.progress(shown));
   stateChanged();
   if (!found) return refuse(found.error());
-  if (found->canContinue()) lastMatch_ = LastMatch{index, found->measuredFromBody()};
+  if (found->canContinue()) lastMatch_ = LastMatch{index, request.wanted.isRigidFirst, found->measuredFromBody()};
   if (auto read = readStatus(); !read) return tl::unexpected(read.error());
   inverse_ = session::matchJson(found->rigid, found->elastic);
   return inverse_.c_str();

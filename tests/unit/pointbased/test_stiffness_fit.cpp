@@ -119,6 +119,15 @@ TEST_CASE("the modulus of a curve without noise is found, from a start that is f
   }
 }
 
+// Static solutions with the default tolerance of 1e-6 spacings are no equilibria at such displacements.
+TEST_CASE("a curve may begin at a displacement that is far below the spacing", "[fit]") {
+  std::vector<CurvePoint> curve = curveOf({}, 2e-7, 1);
+  for (const CurvePoint &point : curveOf({}, 0.02, 5)) curve.push_back(point);
+  const auto fit = fitOf({}, curve, 3.0);
+  REQUIRE((fit ? std::string() : fit.error()) == "");
+  CHECK(std::abs(fit->moduli[0].value / 2e4 - 1.0) < 1e-4);
+}
+
 TEST_CASE("derivatives of a reaction are those of central differences of static solutions", "[fit][sensitivity]") {
   for (const bool isCut : {false, true}) {
     CAPTURE(isCut);
@@ -277,6 +286,9 @@ TEST_CASE("curves and scenes that cannot be fitted are refused", "[fit]") {
   still->conditions.fixes[1].displacement.setZero();
   model.rest = still;
   refuses(fitStiffness(model, good, serialFor()), "0 supports move and 0 forces act");
+  model = modelOf(experiment);
+  model.watchedPoint = kTip;
+  refuses(fitStiffness(model, good, serialFor()), "a measured point is for a force");
   model = modelOf({.isLoaded = true});
   model.watchedPoint.reset();
   refuses(fitStiffness(model, good, serialFor()), "material point");

@@ -141,7 +141,8 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
           isRefused ? "no rigid motion is credible" : "the rigid motion is ambiguous");
       return out;
     }
-    if (timeline != nullptr) {
+    // Without a deformation the body still has the shape of a frame before.
+    if (timeline != nullptr && last.elastic.body) {
       const auto states =
           readBodyStates(simulator, BodyParts::skinAndInside, [&session] { return session.plugins().takeError(); });
       if (!states) return tl::unexpected(states.error());

@@ -110,14 +110,11 @@ Expected<ElasticMatch> deform(const scene::SceneFile &scene, const SceneMatch &w
                               c3de_object *simulator, const ProgressFn &progress) {
   if (!wanted.deforms || !rigid.isUsable()) return ElasticMatch{};
   const auto takeError = [&session] { return session.plugins().takeError(); };
-  std::vector<Landmark> targeted = withTargets(landmarks);
-  if (const auto found = unrecorded(session, [&] { return findBodies(simulator, scene, targeted, takeError); }); !found)
-    return tl::unexpected(found.error());
-  auto out = deformBody(simulator, nameInSimulator(scene, wanted.body), rigid, targets, targeted, wanted,
+  auto out = deformBody(simulator, nameInSimulator(scene, wanted.body), rigid, targets, landmarks, wanted,
                         session.plugins().ownerOf(simulator), takeError, progress);
   if (!out) return out;
   if (const auto now =
-          unrecorded(session, [&] { return measureLandmarks(simulator, scene, targeted, rigid, takeError, *out); });
+          unrecorded(session, [&] { return measureLandmarks(simulator, landmarks, rigid, takeError, *out); });
       !now)
     return tl::unexpected(now.error());
   return out;
@@ -188,8 +185,8 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   if (!targets) return tl::unexpected(targets.error());
   std::vector<std::filesystem::path> targetFiles;
   if (!wanted->landmarks.empty()) targetFiles.push_back(wanted->landmarks);
-  const auto landmarks = landmarksOf(*scene, options.run.landmarks, targetFiles);
-  if (!landmarks) return tl::unexpected(landmarks.error());
+  const auto all = landmarksOf(*scene, options.run.landmarks, targetFiles);
+  if (!all) return tl::unexpected(all.error());
   const auto chosen = session.chooseSimulator(scene->simulatorClass);
   if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
   auto created = session.createSimulator(chosen->classId);
@@ -201,8 +198,11 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
     return tl::unexpected(built.error());
   const auto takeError = [&session] { return session.plugins().takeError(); };
-  const auto skins = skinsOf(simulator.get(), nameInSimulator(*scene, wanted->body), takeError);
+  const std::string name = nameInSimulator(*scene, wanted->body);
+  const auto skins = skinsOf(simulator.get(), name, takeError);
   if (!skins) return tl::unexpected(skins.error());
+  const auto landmarks = landmarksOfBody(simulator.get(), *scene, *all, *wanted, name, takeError);
+  if (!landmarks) return tl::unexpected(landmarks.error());
   auto rigid = findMotion(skins->rest, *targets, *landmarks, *wanted, &session.pool(), progress);
   if (!rigid) return tl::unexpected(rigid.error());
   Matched out{std::move(*rigid), {}, targets->notices};
@@ -231,7 +231,7 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   facts.simulator = *chosen;
   facts.match = matchJson(out.match, out.elastic);
   if (!out.match.isUsable()) facts.outcome = "failed", facts.failure = failureOf(out.match);
-  const auto matched = skinsOf(simulator.get(), nameInSimulator(*scene, wanted->body), takeError);
+  const auto matched = skinsOf(simulator.get(), name, takeError);
   if (!matched) return tl::unexpected(matched.error());
   if (const auto good = writeOutputs(options, session, matched->present, *targets, out, facts, run, outputs); !good)
     return tl::unexpected(good.error());

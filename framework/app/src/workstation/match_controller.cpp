@@ -57,6 +57,7 @@ struct MatchController::Attempt {
   ElasticMatch elastic;
   std::uint64_t capture = 0;  ///< of the state before it
   Expected<void> read;        ///< from the simulation
+  bool isMatched = false;     ///< the job has ended, and the body has its new shape
 
   [[nodiscard]] const Mat4 &motion() const {
     return elastic.body ? elastic.body->measuredFromBody : rigid->rigid.measuredFromBody;
@@ -70,7 +71,10 @@ struct MatchController::Attempt {
     auto found = skinsOf(simulator, wanted.body, takeError);
     if (!found) return tl::unexpected(found.error());
     skins = std::move(*found);
-    return findBodies(simulator, sceneOrNone(), landmarks, takeError);
+    auto own = landmarksOfBody(simulator, sceneOrNone(), landmarks, wanted, wanted.body, takeError);
+    if (!own) return tl::unexpected(own.error());
+    landmarks = std::move(*own);
+    return {};
   }
   /// [sim]
   [[nodiscard]] Expected<void> readAfter(Session &session, c3de_object *simulator) {
@@ -78,8 +82,10 @@ struct MatchController::Attempt {
     const ChangeLog::Unrecorded reads(*log);
     auto found = skinsOf(simulator, wanted.body, takeError);
     if (!found) return tl::unexpected(found.error());
+    if (found->present.vertices.size() != skins.rest.vertices.size())
+      return fail(ErrorCode::state, "the body has another surface than at the beginning");
     skins.present = std::move(found->present);
-    return measureLandmarks(simulator, sceneOrNone(), landmarks, *rigid, takeError, elastic);
+    return measureLandmarks(simulator, landmarks, *rigid, takeError, elastic);
   }
   /// In a background job.
   [[nodiscard]] Expected<void> match(Session &session, c3de_object *simulator, const char *owner,
@@ -165,7 +171,8 @@ void MatchController::onReplaced() {
   forgetResult();
   bodies_.clear();
   shownLog_.reset();
-  if (!panel_) isFormFilled_ = false;
+  isFormFilled_ = false;
+  if (panel_) fillForm();
 }
 
 void MatchController::update() {
@@ -245,10 +252,12 @@ void MatchController::beginFrom(std::size_t candidate) {
   attempt->chosen = candidate;
   attempt->wanted.deforms = true;
   attempt->elastic = {};
+  attempt->isMatched = false;
   start(attempt);
 }
 
 void MatchController::start(const SharedAttempt &attempt) {
+  if (attempt_) return;
   scene::Simulation *simulation = parts_.session.simulation();
   const std::string reason = simulation ? parts_.blockingReason() : std::string("there is no simulation");
   if (!reason.empty()) return parts_.failed(kFailed, {ErrorCode::state, reason});
@@ -293,6 +302,7 @@ void MatchController::onMatched(const SharedAttempt &attempt, const Expected<voi
   if (attempt != attempt_) return;
   job_ = {};
   if (!result) return end(attempt, result.error());
+  attempt->isMatched = true;
   const std::string label = "match " + attempt->wanted.body;
   if (attempt->elastic.body && !parts_.history.addCaptured(attempt->capture, label))
     parts_.panels.notify(C3DE_LOG_WARN, "This cannot be undone: " + label,
@@ -308,11 +318,12 @@ void MatchController::onMatched(const SharedAttempt &attempt, const Expected<voi
 
 void MatchController::onMeasured(const SharedAttempt &attempt) {
   if (attempt != attempt_) return;
-  if (!attempt->read) return end(attempt, attempt->read.error());
   attempt_.reset();
   result_ = attempt;
   const RigidMatch &rigid = *attempt->rigid;
   texts_ = textsOf(attempt->targets, rigid, attempt->elastic, attempt->chosen);
+  if (!attempt->read)
+    texts_.warnings.push_back("the body was not measured after the match: " + attempt->read.error().message);
   if (!attempt->elastic.body && isDeformed(attempt->skins, attempt->wanted.noise_mm))
     texts_.warnings.push_back("the body is deformed at present, and the points are placed at its shape at rest");
   show(texts_.shownCandidate);
@@ -337,7 +348,8 @@ void MatchController::end(const SharedAttempt &attempt, const Error &error) {
 }
 
 void MatchController::cancel() {
-  if (!attempt_) return;
+  // Afterwards the body has its new shape, which Undo takes back.
+  if (!attempt_ || attempt_->isMatched) return;
   if (job_.isNull()) return end(SharedAttempt(attempt_), {ErrorCode::cancelled, "cancelled"});
   parts_.session.jobs().cancel(job_);
 }

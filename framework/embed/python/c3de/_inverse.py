@@ -64,7 +64,8 @@ class Modulus(NamedTuple):
 
     - material: name of the body, or of a tissue
     - value: Pa
-    - low, high: 95 % confidence interval, Pa, without errors of the model; high is inf where there is no limit
+    - low: Pa, lower limit of the 95 % confidence interval, without errors of the model
+    - high: Pa, its upper limit; inf where there is none
     - own: it was fitted separately; False: it has a common factor with the other materials of the body
     """
     material: str

@@ -150,13 +150,13 @@ Expected<void> checkForceCurve(const ForceCurve &curve, bool isLoaded, double ex
   if (different < kFewestPoints)
     return fail(ErrorCode::input,
                 fmt::format("{} different {}s above 0; accepted: {} or more", different, quantity, kFewestPoints));
-  if (curve.isInMillimetres && largest_m < kSmallestPart * extent_m)
+  if (curve.isInMillimetres && extent_m > 0.0 && largest_m < kSmallestPart * extent_m)
     return fail(
         ErrorCode::input,
         fmt::format("the largest displacement is {:.3g} mm, {:.2g} of the extent of the body ({:.4g} mm); if the "
                     "values are in metres, name the column displacement_m, which accepts smaller ones",
                     1e3 * largest_m, largest_m / extent_m, 1e3 * extent_m));
-  if (largest_m > kLargestPart * extent_m)
+  if (extent_m > 0.0 && largest_m > kLargestPart * extent_m)
     return fail(ErrorCode::input,
                 fmt::format("the largest displacement is {:.4g} mm, {:.2g} times the extent of the body "
                             "({:.4g} mm); accepted: up to {:g} times",

@@ -79,6 +79,21 @@ std::vector<Landmark> withTargets(const std::vector<Landmark> &landmarks) {
   return out;
 }
 
+Expected<std::vector<Landmark>> landmarksOfBody(c3de_object *simulator, const scene::SceneFile &scene,
+                                                const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
+                                                const std::string &body,
+                                                const std::function<std::string()> &takeError) {
+  std::vector<Landmark> out = withTargets(landmarks);
+  if (out.empty()) return out;
+  if (const auto found = findBodies(simulator, scene, out, takeError); !found) return tl::unexpected(found.error());
+  std::erase_if(out, [&](const Landmark &one) { return !one.body.empty() && one.body != body; });
+  if (out.empty() && match.fitsLandmarks)
+    return fail(ErrorCode::usage, "no landmark of body '" + body +
+                                      "' has a measured position that could be fitted; accepted: target landmarks of "
+                                      "this body");
+  return out;
+}
+
 Expected<RigidMatch> findMotion(const geometry::TriangleMesh &skin, const MatchTargets &targets,
                                 const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
                                 ThreadPool *pool, const ProgressFn &progress) {
@@ -124,11 +139,11 @@ Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &bod
   return out;
 }
 
-Expected<void> measureLandmarks(c3de_object *simulator, const scene::SceneFile &scene,
-                                const std::vector<Landmark> &landmarks, const RigidMatch &rigid,
+Expected<void> measureLandmarks(c3de_object *simulator, const std::vector<Landmark> &landmarks, const RigidMatch &rigid,
                                 const std::function<std::string()> &takeError, ElasticMatch &elastic) {
   if (!elastic.body || landmarks.empty()) return {};
-  const auto now = measure(simulator, scene, landmarks, takeError);
+  // Without a scene: its distances and angles may be of other landmarks.
+  const auto now = measure(simulator, scene::SceneFile(), landmarks, takeError);
   if (!now) return tl::unexpected(now.error());
   std::vector<Vec3> at_mm;
   for (const MeasuredLandmark &one : now->landmarks) at_mm.push_back(one.position_mm);

@@ -62,7 +62,8 @@ bool isBefore(const std::string &a, const std::string &b) {
       ++i, ++k;
     }
   }
-  return a.size() - i < b.size() - k;
+  if (a.size() - i != b.size() - k) return a.size() - i < b.size() - k;
+  return a < b;  // f1 and f01
 }
 
 struct FrameColumns {

@@ -265,7 +265,7 @@ std::string matchJson(const RigidMatch &match, const ElasticMatch &elastic) {
       {"noise_mm", match.noise_mm},
       {"wall_s", match.wall_s},
       {"verdict", verdictOf(match)},
-      {"converged", match.isUsable()},
+      {"converged", match.isUsable() && elastic.failure.empty()},
       {"surface_rms_mm", {{"before", match.rmsBefore_mm}, {"rigid", rigid.after.rms_mm}}},
       {"surface_p95_mm", {{"before", rigid.before.p95_mm}, {"rigid", rigid.after.p95_mm}}},
       {"inlier_share", rigid.after.inlierShare},

@@ -11,12 +11,12 @@ namespace c3de::session {
 namespace {
 
 /// The body at the motion of the frame before.
-Expected<RigidMatch> matchAt(const Mat4 &motion, const geometry::TriangleMesh &skin, const FrameRequest &request,
+Expected<RigidMatch> matchAt(const Mat4 &motion, const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                             const std::vector<Landmark> &landmarks, const scene::SceneMatch &wanted,
                              ThreadPool *pool) {
-  auto out = matchInPlace(skin, request.targets, request.landmarks, request.wanted, pool);
+  auto out = matchInPlace(skin, targets, landmarks, wanted, pool);
   if (!out) return out;
-  auto after =
-      registration::residualsOf(skin, request.targets.surface.points_mm, motion, out->rigid.after.limit_mm, pool);
+  auto after = registration::residualsOf(skin, targets.surface.points_mm, motion, out->rigid.after.limit_mm, pool);
   if (!after) return tl::unexpected(after.error());
   out->rigid.measuredFromBody = motion;
   out->rigid.candidates = {{motion, after->rms_mm, after->inlierShare}};
@@ -39,42 +39,39 @@ auto unrecorded(Session &session, const Read &read) {
   return read();
 }
 
-Expected<ElasticMatch> deform(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
-                              const std::string &name, const FrameRequest &request, const RigidMatch &rigid,
-                              const ProgressFn &progress) {
-  if (!request.wanted.deforms || !rigid.isUsable()) return ElasticMatch{};
-  const auto takeError = [&session] { return session.plugins().takeError(); };
-  std::vector<Landmark> landmarks = withTargets(request.landmarks);
-  if (!landmarks.empty())
-    if (const auto found = unrecorded(session, [&] { return findBodies(simulator, scene, landmarks, takeError); });
-        !found)
-      return tl::unexpected(found.error());
-  auto out =
-      deformBody(simulator, name, rigid, request.targets, landmarks, request.wanted,
-                 session.plugins().ownerOf(simulator), takeError, progress, request.measuredFromBodyBefore.has_value());
-  if (!out) return out;
-  const auto measured =
-      unrecorded(session, [&] { return measureLandmarks(simulator, scene, landmarks, rigid, takeError, *out); });
-  if (!measured) return tl::unexpected(measured.error());
-  return out;
-}
-
 }  // namespace
 
 Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                                 const std::string &name, const geometry::TriangleMesh &skin,
                                 const FrameRequest &request, const ProgressFn &progress) {
   const auto begin = std::chrono::steady_clock::now();
+  const scene::SceneMatch &wanted = request.wanted;
+  const auto takeError = [&session] { return session.plugins().takeError(); };
+  const auto landmarks = unrecorded(
+      session, [&] { return landmarksOfBody(simulator, scene, request.landmarks, wanted, name, takeError); });
+  if (!landmarks) return tl::unexpected(landmarks.error());
   ThreadPool *const pool = &session.pool();
-  auto rigid = request.measuredFromBodyBefore
-                   ? matchAt(*request.measuredFromBodyBefore, skin, request, pool)
-                   : findMotion(skin, request.targets, request.landmarks, request.wanted, pool, progress);
+  const bool continues = request.measuredFromBodyBefore.has_value();
+  auto rigid = continues ? matchAt(*request.measuredFromBodyBefore, skin, request.targets, *landmarks, wanted, pool)
+                         : findMotion(skin, request.targets, *landmarks, wanted, pool, progress);
   if (!rigid) return tl::unexpected(rigid.error());
   FrameMatch out;
   out.rigid = std::move(*rigid);
-  auto elastic = deform(session, simulator, scene, name, request, out.rigid, progress);
-  if (!elastic) return tl::unexpected(elastic.error());
-  out.elastic = std::move(*elastic);
+  if (wanted.deforms && out.rigid.isUsable()) {
+    auto elastic = deformBody(simulator, name, out.rigid, request.targets, *landmarks, wanted,
+                              session.plugins().ownerOf(simulator), takeError, progress, continues);
+    if (!elastic) return tl::unexpected(elastic.error());
+    out.elastic = std::move(*elastic);
+  }
+  // The motion of the frame before is no result without a deformation: it is sought anew.
+  if (continues && !out.elastic.body) {
+    FrameRequest anew = request;
+    anew.measuredFromBodyBefore.reset();
+    return matchFrame(session, simulator, scene, name, skin, anew, progress);
+  }
+  const auto measured =
+      unrecorded(session, [&] { return measureLandmarks(simulator, *landmarks, out.rigid, takeError, out.elastic); });
+  if (!measured) return tl::unexpected(measured.error());
   out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

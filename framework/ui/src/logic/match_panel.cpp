@@ -71,7 +71,7 @@ void MatchPanel::draw(const c3de_ui_v1 &ui) {
   drawLandmarks(ui);
   drawMotion(ui);
   drawButtons(ui, view);
-  if (view.result != nullptr) drawResult(ui, *view.result);
+  if (view.result != nullptr) drawResult(ui, *view.result, !view.progress);
 }
 
 void MatchPanel::fileRow(const c3de_ui_v1 &ui, const char *id, const char *label, const std::string &extensions,
@@ -190,7 +190,7 @@ void MatchPanel::drawButtons(const c3de_ui_v1 &ui, const MatchView &view) {
   if (!whyNot.empty()) text(ui, whyNot);
 }
 
-void MatchPanel::drawResult(const c3de_ui_v1 &ui, const MatchTexts &result) {
+void MatchPanel::drawResult(const c3de_ui_v1 &ui, const MatchTexts &result, bool canMatch) {
   for (std::size_t i = 0; i < result.sections.size(); ++i) {
     const MatchTexts::Section &section = result.sections[i];
     heading(ui, section.title.c_str());
@@ -198,7 +198,7 @@ void MatchPanel::drawResult(const c3de_ui_v1 &ui, const MatchTexts &result) {
     // What must not be trusted is stated below the verdict.
     if (i > 0) continue;
     for (const std::string &warning : result.warnings) text(ui, "Warning: " + warning + ".");
-    drawCandidates(ui, result);
+    drawCandidates(ui, result, canMatch);
   }
   if (!result.landmarks.empty()) {
     heading(ui, "Errors of the landmarks");
@@ -214,7 +214,7 @@ void MatchPanel::drawResult(const c3de_ui_v1 &ui, const MatchTexts &result) {
        "Scene shows and hides them.");
 }
 
-void MatchPanel::drawCandidates(const c3de_ui_v1 &ui, const MatchTexts &result) {
+void MatchPanel::drawCandidates(const c3de_ui_v1 &ui, const MatchTexts &result, bool canMatch) {
   for (std::size_t i = 0; i < result.candidates.size(); ++i) {
     const std::string id = "candidate." + std::to_string(i);
     text(ui, result.candidates[i]);
@@ -222,7 +222,7 @@ void MatchPanel::drawCandidates(const c3de_ui_v1 &ui, const MatchTexts &result) 
       actions_.show(i);
     tooltip(ui, "Draws the measured points as this motion places them");
     sameLine(ui);
-    if (button(ui, id + ".deform", "Deform from it", form_.wanted.deforms)) actions_.deform(i);
+    if (button(ui, id + ".deform", "Deform from it", form_.wanted.deforms && canMatch)) actions_.deform(i);
     tooltip(ui, "Deforms the body from this motion. You decide that it is the right one");
   }
 }

@@ -27,7 +27,10 @@ struct FrameMatch {
     return elastic.body ? elastic.body->measuredFromBody : rigid.rigid.measuredFromBody;
   }
   /// Whether the next frame can start from it.
-  [[nodiscard]] bool canContinue() const { return rigid.isUsable() && elastic.body && elastic.body->hasConverged; }
+  [[nodiscard]] bool canContinue() const {
+    constexpr double kLeastPart = 0.5;  // of the points: with fewer the body may be elsewhere
+    return rigid.isUsable() && elastic.body && elastic.body->hasConverged && elastic.body->usedPart >= kLeastPart;
+  }
 };
 
 /// Brings a body of a simulator that its session has adopted to one measurement: the rigid motion, or that of the frame

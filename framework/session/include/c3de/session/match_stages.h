@@ -38,6 +38,13 @@ struct BodySkins {
 /// Those that have a measured position, in their order.
 [[nodiscard]] std::vector<Landmark> withTargets(const std::vector<Landmark> &landmarks);
 
+/// Landmarks in a body, or in none, that have a measured position. Probes are added and removed again: pause the log of
+/// changes. Errors: those of findBodies(); usage: none is left, and they are to be fitted. [sim]
+[[nodiscard]] Expected<std::vector<Landmark>> landmarksOfBody(c3de_object *simulator, const scene::SceneFile &scene,
+                                                              const std::vector<Landmark> &landmarks,
+                                                              const scene::SceneMatch &match, const std::string &body,
+                                                              const std::function<std::string()> &takeError);
+
 /// The rigid motion of a match. Where the body deforms and the noise does not explain the residual, the size of the
 /// deformation does: the distance from which a point counts as an outlier grows until the motion is explained. Errors
 /// as of matchRigid(). Any thread.
@@ -60,9 +67,9 @@ struct BodySkins {
 
 /// Adds the landmarks after the deformation. Probes are added and removed again: pause the log of changes. Errors as of
 /// measure(). [sim]
-[[nodiscard]] Expected<void> measureLandmarks(c3de_object *simulator, const scene::SceneFile &scene,
-                                              const std::vector<Landmark> &landmarks, const RigidMatch &rigid,
-                                              const std::function<std::string()> &takeError, ElasticMatch &elastic);
+[[nodiscard]] Expected<void> measureLandmarks(c3de_object *simulator, const std::vector<Landmark> &landmarks,
+                                              const RigidMatch &rigid, const std::function<std::string()> &takeError,
+                                              ElasticMatch &elastic);
 
 /// Why a match that is not usable is not: a sentence with the warnings.
 [[nodiscard]] std::string failureOf(const RigidMatch &match);

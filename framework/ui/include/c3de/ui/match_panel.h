@@ -90,8 +90,8 @@ class MatchPanel {
   void drawLandmarks(const c3de_ui_v1 &ui);
   void drawMotion(const c3de_ui_v1 &ui);
   void drawButtons(const c3de_ui_v1 &ui, const MatchView &view);
-  void drawResult(const c3de_ui_v1 &ui, const MatchTexts &result);
-  void drawCandidates(const c3de_ui_v1 &ui, const MatchTexts &result);
+  void drawResult(const c3de_ui_v1 &ui, const MatchTexts &result, bool canMatch);
+  void drawCandidates(const c3de_ui_v1 &ui, const MatchTexts &result, bool canMatch);
 
   registry::PanelRegistry &panels_;
   MatchForm &form_;

@@ -69,7 +69,7 @@ Result<void> LoadMatch::run(Eigen::VectorXd &loads, MatchMotion &motion) {
     if (stale > (isEnd ? kSlightlyStale : kStale) * size_) {
       // Without them the earlier ones remain, and the iterations converge more slowly.
       isStable_ = respond().has_value();
-      if (isEnd) respondedAt_ = u();
+      if (!isStable_ || isEnd) respondedAt_ = u();
     } else {
       hasConverged_ = isEnd;
     }

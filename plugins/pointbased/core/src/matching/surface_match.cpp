@@ -510,6 +510,7 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
   if (std::string why = problemOf(points, landmarks, settings); !why.empty()) return tl::unexpected(std::move(why));
   const std::vector<Vec3> before = impl_->body->state().displacements;
   const Eigen::VectorXd loads = impl_->loads;
+  const double stiffness = impl_->stiffness;
   std::string why;
   try {
     auto found = Iterations<Impl>(*impl_, points, landmarks, settings).run();
@@ -518,6 +519,7 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
   } catch (const Stopped &) {
     why = "cancelled";
   }
+  impl_->stiffness = stiffness;
   impl_->setLoads(loads);
   impl_->body->state().displacements = before;
   impl_->newton.forget();

@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::size_t kMostExact = 12;  // different points that are solved themselves
 constexpr std::size_t kChebyshev = 10;  // intervals between nodes of more points
+// Of static solutions: of the first displacement, within parts of the spacing.
+constexpr double kToleranceOfFirst = 1e-4, kTolerance = 1e-6, kLeastTolerance = 1e-8;
 
 // Weights of the polynomial through the nodes at x: barycentric formula (Berrut and Trefethen, SIAM Review 46, 2004).
 Eigen::RowVectorXd weightsAt(double x, const std::vector<double> &nodes) {
@@ -135,6 +137,12 @@ Environment CurveModel::environment() {
   out.parallelFor = &parallelFor_;
   out.clock = &clock_;
   out.stop = stop_;
+  // Displacements that are small against the spacing need a smaller tolerance than the default.
+  if (control_ == CurveControl::support && nodes_.size() > 1) {
+    const double spacing = body_->rest().spacing;
+    const double first = nodes_[1] * body_->rest().conditions.fixes[fix_].displacement.norm();
+    out.tolerance = std::clamp(kToleranceOfFirst * first, kLeastTolerance * spacing, kTolerance * spacing);
+  }
   return out;
 }
 

@@ -282,6 +282,9 @@ Result<StiffnessFit> fitStiffness(const StiffnessModel &model, std::span<const C
   if (std::string why = notFiniteIn(curve); !why.empty()) return tl::unexpected(std::move(why));
   const auto control = curveControl(*model.rest);
   if (!control) return tl::unexpected(control.error());
+  if (model.watchedPoint && *control == CurveControl::support)
+    return tl::unexpected(std::string(
+        "a support is displaced, so its displacement is that of the curve; a measured point is for a force"));
   if (std::string why = problemOf(curve, *control, settings); !why.empty()) return tl::unexpected(std::move(why));
   // Nothing is known of the body where nothing is prescribed.
   std::vector<CurvePoint> used;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator/identification_calls.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -26,16 +27,29 @@ std::vector<CurvePoint> curveOf(const c3de_fit_request &in) {
 }
 
 /// What acts on the body and is not part of a fit. Throws sdk::Error.
-void checkAlone(const SimulatedWorld &world, std::uint64_t id, const BodyRecord &record, const Body &body) {
+void checkAlone(const SimulatorParts &parts, std::uint64_t id, const BodyRecord &record, const Body &body) {
+  const SimulatedWorld &world = parts.world;
   const auto refuse = [&](const std::string &what) { throw Error(C3DE_E_STATE, "body '" + record.name + "' " + what); };
   if (body.rigid()) refuse("is rigid and has no stiffness");
   if (!body.liveSupports().empty()) refuse("has supports that were set by hand; accepted: those of the scene");
-  if (!body.externalForces().empty()) refuse("has loads that were set by hand; accepted: those of the scene");
+  const std::vector<SavedLoad> loads = parts.forces.saved();
+  const bool isLoaded =
+      std::any_of(loads.begin(), loads.end(), [&](const SavedLoad &load) { return load.body == record.identity(); });
+  if (isLoaded || !body.externalForces().empty())
+    refuse("has loads that were set by hand; accepted: those of the scene");
+  const std::vector<SavedMatch> matches = parts.forces.savedMatches();
+  if (std::any_of(matches.begin(), matches.end(),
+                  [&](const SavedMatch &match) { return match.body == record.identity(); }))
+    refuse("has the forces of a match; reset the simulation first");
   if (!world.table.attachmentsOf(id).empty()) refuse("is attached to others, which a fit does not contain");
   if (body.constitution().plastic()) refuse("flows plastically; accepted: an elastic material");
   if (body.rereferenceCount() > 0) refuse("has flowed; reset the simulation first");
   if (!world.table.obstacles().empty() || world.simulator.world().settings().box.enabled)
     refuse("may touch obstacles or walls; a fit contains no contact, so remove them from the scene");
+  for (const auto &[other, otherRecord] : world.table.bodies())
+    if (other != id && world.simulator.world().canTouch(id, other))
+      refuse("may touch body '" + otherRecord.name +
+             "'; a fit contains no contact, so disable that of the pair, or remove the body");
 }
 
 /// Name of a material of a body, by its number: that of the body, then those of its parts.
@@ -92,19 +106,20 @@ void IdentificationCalls::fit(const c3de_fit_request *request, const c3de_progre
   BodySource source;
   std::string name;
   {
-    const std::lock_guard lock(world_.mutex);
-    const BodyRecord &record = world_.table.bodyOrThrow(in.body.v);
-    const Body &body = *world_.simulator.body(in.body.v);
-    checkAlone(world_, in.body.v, record, body);
+    const std::lock_guard lock(parts_.world.mutex);
+    const BodyRecord &record = parts_.world.table.bodyOrThrow(in.body.v);
+    const Body &body = *parts_.world.simulator.body(in.body.v);
+    checkAlone(parts_, in.body.v, record, body);
     if ((in.flags & C3DE_FIT_WATCHED) != 0) {
       model.watchedPoint = Vec3(in.watched_m);
-      record.checkNearBody(world_.context.services, *model.watchedPoint, body.rest().spacing, "the measured point ");
+      record.checkNearBody(parts_.world.context.services, *model.watchedPoint, body.rest().spacing,
+                           "the measured point ");
     }
     model.rest = body.sharedRest();
     model.constitution = body.constitution();
     model.foundation = body.foundation().settings();
     model.foundation.retardationTime = 0.0;
-    model.gravity = world_.simulator.world().settings().gravity;
+    model.gravity = parts_.world.simulator.world().settings().gravity;
     source = record.source;
     name = record.name;
   }
@@ -115,7 +130,7 @@ void IdentificationCalls::fit(const c3de_fit_request *request, const c3de_progre
   if (in.iterations > 0) settings.maxIterations = static_cast<int>(std::min(in.iterations, 1000u));
   settings.stop = &stop;
   settings.progress = [&stop](double fraction) { return stop.tell(fraction, "solving along the curve"); };
-  const auto found = fitStiffness(model, curve, world_.context.services.parallelFor(), settings);
+  const auto found = fitStiffness(model, curve, parts_.world.context.services.parallelFor(), settings);
   if (!found) {
     if (found.error() == "cancelled") throw Error(C3DE_E_CANCELLED, "cancelled");
     throw Error(C3DE_E_STATE, "body '" + name + "': " + found.error());
@@ -134,31 +149,31 @@ void IdentificationCalls::fit(const c3de_fit_request *request, const c3de_progre
 
 void IdentificationCalls::sensitivity(const c3de_sensitivity_request *request, double *forces, c3de_sink json) {
   const c3de_sensitivity_request in = sdk::readStruct(request, "request");
-  const std::lock_guard lock(world_.mutex);
-  const BodyRecord &record = world_.table.bodyOrThrow(in.body.v);
-  Body &body = *world_.simulator.body(in.body.v);
+  const std::lock_guard lock(parts_.world.mutex);
+  const BodyRecord &record = parts_.world.table.bodyOrThrow(in.body.v);
+  Body &body = *parts_.world.simulator.body(in.body.v);
   const std::size_t n = body.rest().phyxelCount();
   if (in.points_n != n)
     throw Error(C3DE_E_ARG, "points_n is " + std::to_string(in.points_n) + "; accepted: " + std::to_string(n) +
                                 ", the points of body '" + record.name + "'");
   (void)sdk::notNull(in.objective, "objective");
   (void)sdk::notNull(forces, "forces");
-  if (!world_.simulator.quasiStatic())
+  if (!parts_.world.simulator.quasiStatic())
     throw Error(C3DE_E_STATE,
                 "the solution is not static; accepted: a scene with integrator = \"quasistatic\", after its steps");
   std::vector<Vec3> objective(n);
   for (std::size_t i = 0; i < n; ++i) objective[i] = Vec3(in.objective + 3 * i);
-  const ParallelFor parallelFor = world_.context.services.parallelFor();
-  const WorldSettings &settings = world_.simulator.world().settings();
+  const ParallelFor parallelFor = parts_.world.context.services.parallelFor();
+  const WorldSettings &settings = parts_.world.simulator.world().settings();
   Environment environment;
   environment.gravity = settings.gravity;
-  environment.obstacles = world_.simulator.world().obstaclesOf(in.body.v);
-  environment.box = world_.simulator.world().boxOf(in.body.v);
+  environment.obstacles = parts_.world.simulator.world().obstaclesOf(in.body.v);
+  environment.box = parts_.world.simulator.world().boxOf(in.body.v);
   environment.tolerance = settings.tolerance;
   environment.preconditioner = settings.preconditioner;
   environment.parallelFor = &parallelFor;
   EquilibriumSensitivitySolver solver;
-  const auto found = solver.solve(body, environment, world_.simulator.loadFactor(), objective);
+  const auto found = solver.solve(body, environment, parts_.world.simulator.loadFactor(), objective);
   if (!found) throw Error(C3DE_E_STATE, found.error());
   for (std::size_t i = 0; i < n; ++i) std::copy_n(found->forces[i].data(), 3, forces + 3 * i);
   putJson(json, jsonOf(*found, record.source, record.name));

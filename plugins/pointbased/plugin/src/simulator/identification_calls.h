@@ -2,7 +2,7 @@
 #pragma once
 
 #include "c3de/abi/iface/identification.h"
-#include "simulator/simulated_world.h"
+#include "simulator/changes.h"
 
 namespace pointbased {
 
@@ -10,13 +10,13 @@ namespace pointbased {
 /// thread; a fit computes with a copy of the body, and the simulation may continue meanwhile.
 class IdentificationCalls {
  public:
-  explicit IdentificationCalls(SimulatedWorld &world) : world_(world) {}
+  explicit IdentificationCalls(SimulatorParts &parts) : parts_(parts) {}
 
   void fit(const c3de_fit_request *request, const c3de_progress *progress, c3de_fit_result *out, c3de_sink json);
   void sensitivity(const c3de_sensitivity_request *request, double *forces, c3de_sink json);
 
  private:
-  SimulatedWorld &world_;
+  SimulatorParts &parts_;
 };
 
 }  // namespace pointbased

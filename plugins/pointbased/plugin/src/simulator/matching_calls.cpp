@@ -146,7 +146,7 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
                           c3de_sink json) {
   const c3de_match_request in = sdk::readStruct(request, "request");
   SimulatedWorld &world = parts_.world;
-  const MatchedBody matched = [&] {
+  const auto read = [&] {
     const std::lock_guard lock(world.mutex);
     const BodyRecord &record = world.table.bodyOrThrow(in.body.v);
     const Body &body = *world.simulator.body(in.body.v);
@@ -158,7 +158,8 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
     if (!found.hasOwnSupport) found.foundation.stiffness = found.foundation.tangential = in.support_Pa_m;
     found.foundation.retardationTime = 0.0;
     return found;
-  }();
+  };
+  const MatchedBody matched = read();
   const sdk::Progress wanted(progress);
   BuildRequest stop(wanted);
   const ParallelFor parallelFor = world.context.services.parallelFor();
@@ -190,6 +191,18 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
   sdk::writeStruct(out, resultOf(found), "out");
   if (const c3de_status status = sdk::put(json, jsonOf(found, *matched.rest, parallelFor)); status < 0)
     throw Error(status, "the text was not accepted");
+  if (!areEqual(matched, read()))
+    throw Error(C3DE_E_STATE, "the body was changed while it was matched; match it again");
+  // The match is relative to the body at rest, on which gravity does not act.
+  {
+    const std::lock_guard lock(world.mutex);
+    (void)world.table.bodyOrThrow(in.body.v);
+    const Vec3 gravity = world.simulator.world().settings().gravity;
+    const std::span<const double> weights = world.simulator.body(in.body.v)->weights();
+    if (!gravity.isZero(0.0))
+      for (std::size_t i = 0; i < std::min(weights.size(), found.forces.size()); ++i)
+        found.forces[i] -= weights[i] * gravity;
+  }
   // A body that nothing held keeps the springs of the match, otherwise it could move freely with its forces.
   if (!matched.hasOwnSupport)
     for (const char *id : {C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS, "surroundings.tangential"})

@@ -49,7 +49,7 @@ struct SimulatorParts {
   ChangingCalls calls{*this};
   ConditionCalls conditionCalls{*this};
   MatchingCalls matching{*this};
-  IdentificationCalls identification{world};
+  IdentificationCalls identification{*this};
 };
 
 /// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator on top of the physics. Its tables call
