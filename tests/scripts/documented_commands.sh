@@ -45,6 +45,8 @@ make_tree() {
     for name in scan labels organs vessels heart_4d; do nifti 4 1 >"$name.nii"; gzip -n "$name.nii"; done
     nifti 4 4 | gzip -n >heart_4d.nii.gz
     cp box.tri organ.toml
+    mkdir frames
+    for name in 1 2; do cp resources/match/organ_points.csv frames/$name.csv; done
     mkdir folder_of_a_dicom_series dicom_folder
     touch abdomen.toml
   )

@@ -116,7 +116,8 @@ class Sensitivity(NamedTuple):
     - forces: (n, 3), per N, with respect to a force on each material point
     - supports: one per [[fix]] of the body
     - moduli: per Pa, by material: Young's modulus; None where a law of a plugin has its own parameters
-    - surroundings_stiffness, surroundings_tangential: per Pa/m
+    - surroundings_stiffness: per Pa/m, of the normal stiffness of the surroundings
+    - surroundings_tangential: per Pa/m, of their tangential stiffness
     """
     forces: "numpy.ndarray"
     supports: List[SupportSensitivity]
