@@ -8,8 +8,8 @@
 
 namespace c3de::study {
 
-/// Removes a folder of intermediate outputs. On Windows files may stay open for a moment after their process has ended, and
-/// cannot be removed meanwhile: it tries again, for 1 s in all. A folder that remains is no error.
+/// Removes a folder of intermediate outputs. On Windows files may stay open for a moment after their process has ended,
+/// and cannot be removed meanwhile: it tries again, for 1 s in all. A folder that remains is no error.
 inline void removeWorkFolder(const std::filesystem::path &folder) {
   constexpr int kTries = 20;
   std::error_code code;

@@ -21,6 +21,7 @@
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
+#include "commands/scene_at_rest.h"
 #include "commands/standard_output.h"
 
 namespace c3de::app {
@@ -91,13 +92,8 @@ struct Fitted {
 
 Expected<void> writeOutputs(const FitOptions &options, const Fitted &fitted, const RunFacts &facts,
                             const HeadlessRun &run, WrittenOutputs &outputs) {
-  if (!options.run.report.empty()) {
-    const auto simulatorJson = run.simulatorReport();
-    if (!simulatorJson) return tl::unexpected(simulatorJson.error());
-    const auto json = reportJson(facts, *simulatorJson);
-    if (!json) return tl::unexpected(json.error());
-    outputs.note(options.run.report, writeWholeFile(options.run.report, *json));
-  }
+  if (!options.run.report.empty())
+    if (auto good = writeReport(options.run.report, facts, run, outputs); !good) return good;
   if (!options.residuals.empty())
     outputs.note(options.residuals, writeWholeFile(options.residuals, fitTable(fitted.fit, fitted.curve)));
   return {};
@@ -128,26 +124,19 @@ Expected<Fitted> fit(const FitOptions &options, Session &session, WrittenOutputs
   if (!curve) return tl::unexpected(curve.error());
   const std::vector<std::filesystem::path> inputs{options.run.scene, options.curve};
   if (const auto good = checkOutputs(outputsOf(options), inputs); !good) return tl::unexpected(good.error());
-  const auto chosen = session.chooseSimulator(scene->simulatorClass);
-  if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
-  auto created = session.createSimulator(chosen->classId);
-  if (!created) return tl::unexpected(created.error());
-  const ObjectRef simulator(*created);
-  const auto table = simulatorTable(simulator.get());
-  if (!table) return tl::unexpected(table.error());
   BodySources sources;
-  Prepared prepared;
-  if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
-    return tl::unexpected(built.error());
+  const auto built = buildAtRest(session, *scene, sources, progress);
+  if (!built) return tl::unexpected(built.error());
+  c3de_object *const simulator = built->simulator.get();
 
-  Fitted out{{}, std::move(*curve), {measured->name, pathText(options.curve), 0.0, 0.0}, prepared.notices};
+  Fitted out{{}, std::move(*curve), {measured->name, pathText(options.curve), 0.0, 0.0}, built->prepared.notices};
   BodyFitOptions how;
   how.watched_m = measured->watched_m;
   how.noise = options.noise.value_or(0.0) * (how.watched_m ? kMetresPerMillimetre : 1.0);
   out.facts.noise = how.noise;
   const auto begin = std::chrono::steady_clock::now();
   auto found = fitBody(
-      simulator.get(), measured->name, out.curve, how, session.plugins().ownerOf(simulator.get()),
+      simulator, measured->name, out.curve, how, session.plugins().ownerOf(simulator),
       [&session] { return session.plugins().takeError(); }, progress);
   line.finish();
   if (!found) return tl::unexpected(ofCurve(found.error(), options.curve));
@@ -158,14 +147,9 @@ Expected<Fitted> fit(const FitOptions &options, Session &session, WrittenOutputs
   RunOptions still = options.run;
   still.steps = 0;
   still.report.clear();
-  HeadlessRun run(session, simulator.get(), *table, still, {}, outputs, beginning->source);
+  HeadlessRun run(session, simulator, built->table, still, {}, outputs, beginning->source);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
-  RunFacts facts = run.facts();
-  if (const auto hash = stateHash(*table, simulator.get()); hash) facts.stateHash = *hash;
-  facts.prepared = prepared;
-  facts.scene = scene->title;
-  facts.source = options.run.scene.string();
-  facts.simulator = *chosen;
+  RunFacts facts = built->facts(run, *scene, options.run.scene);
   facts.fit = fitJson(out.fit, out.curve, out.facts);
   if (out.fit.verdict == FitVerdict::undetermined) facts.outcome = "failed", facts.failure = out.fit.reason;
   if (const auto good = writeOutputs(options, out, facts, run, outputs); !good) return tl::unexpected(good.error());

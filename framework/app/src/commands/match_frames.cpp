@@ -25,6 +25,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "commands/run_exports.h"
+#include "commands/scene_at_rest.h"
 #include "commands/standard_output.h"
 
 namespace c3de::app {
@@ -156,8 +157,8 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
   return out;
 }
 
-Expected<void> writeReport(const MatchOptions &options, const HeadlessRun &run, RunFacts facts,
-                           const Sequence &sequence, WrittenOutputs &outputs) {
+Expected<void> writeResults(const MatchOptions &options, const HeadlessRun &run, RunFacts facts,
+                            const Sequence &sequence, WrittenOutputs &outputs) {
   if (!options.frameTable.empty())
     outputs.note(options.frameTable, writeWholeFile(options.frameTable, tableOf(sequence)));
   if (options.run.report.empty()) return {};
@@ -169,12 +170,7 @@ Expected<void> writeReport(const MatchOptions &options, const HeadlessRun &run, 
     facts.match = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   if (!sequence.failure.empty()) facts.outcome = "failed", facts.failure = sequence.failure;
-  const auto simulatorJson = run.simulatorReport();
-  if (!simulatorJson) return tl::unexpected(simulatorJson.error());
-  const auto json = reportJson(facts, *simulatorJson);
-  if (!json) return tl::unexpected(json.error());
-  outputs.note(options.run.report, writeWholeFile(options.run.report, *json));
-  return {};
+  return writeReport(options.run.report, facts, run, outputs);
 }
 
 Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOutputs &outputs) {
@@ -196,19 +192,12 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
     if (const auto good = checkSimulationExport(options.run.exportList); !good) return tl::unexpected(good.error());
   auto frames = readMeasuredFrames(options.frames, wanted->unit);
   if (!frames) return tl::unexpected(frames.error());
-  const auto chosen = session.chooseSimulator(scene->simulatorClass);
-  if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
-  auto created = session.createSimulator(chosen->classId);
-  if (!created) return tl::unexpected(created.error());
-  const ObjectRef simulator(*created);
-  const auto table = simulatorTable(simulator.get());
-  if (!table) return tl::unexpected(table.error());
   BodySources sources;
-  Prepared prepared;
-  if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
-    return tl::unexpected(built.error());
+  const auto built = buildAtRest(session, *scene, sources, progress);
+  if (!built) return tl::unexpected(built.error());
+  c3de_object *const simulator = built->simulator.get();
   const std::string name = nameInSimulator(*scene, wanted->body);
-  const auto skins = skinsOf(simulator.get(), name, [&session] { return session.plugins().takeError(); });
+  const auto skins = skinsOf(simulator, name, [&session] { return session.plugins().takeError(); });
   if (!skins) return tl::unexpected(skins.error());
   // A run without a step has the facts of a report; the session has adopted the simulator then.
   RunOptions still;
@@ -216,24 +205,19 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   still.scene = options.run.scene;
   still.steps = 0;
   still.quiet = options.run.quiet;
-  HeadlessRun atRest(session, simulator.get(), *table, still, {}, outputs, beginning->source);
+  HeadlessRun atRest(session, simulator, built->table, still, {}, outputs, beginning->source);
   if (const auto ran = atRest.run(); !ran) return tl::unexpected(ran.error());
   std::optional<SimulationExport> timeline;
   if (!options.run.exportList.empty()) timeline.emplace(options.run.exportList);
-  auto sequence = matchAll(session, simulator.get(), *scene, name, skins->rest, *wanted, std::move(*frames),
+  auto sequence = matchAll(session, simulator, *scene, name, skins->rest, *wanted, std::move(*frames),
                            timeline ? &*timeline : nullptr, progress);
   line.finish();
   if (timeline) outputs.note(options.run.exportList, timeline->finish());
   if (!sequence) return tl::unexpected(sequence.error());
-  RunFacts facts = atRest.facts();
-  if (const auto hash = stateHash(*table, simulator.get()); hash) facts.stateHash = *hash;
-  facts.prepared = prepared;
-  facts.scene = scene->title;
-  facts.source = options.run.scene.string();
-  facts.simulator = *chosen;
-  if (const auto good = writeReport(options, atRest, std::move(facts), *sequence, outputs); !good)
+  RunFacts facts = built->facts(atRest, *scene, options.run.scene);
+  if (const auto good = writeResults(options, atRest, std::move(facts), *sequence, outputs); !good)
     return tl::unexpected(good.error());
-  if (sequence->failure.empty()) saveEnd(options.run, session, simulator.get(), *chosen, *beginning, outputs);
+  if (sequence->failure.empty()) saveEnd(options.run, session, simulator, built->identity, *beginning, outputs);
   return sequence;
 }
 

@@ -25,6 +25,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "commands/run_exports.h"
+#include "commands/scene_at_rest.h"
 #include "commands/standard_output.h"
 
 namespace c3de::app {
@@ -95,15 +96,6 @@ Expected<void> checkOutputFiles(const MatchOptions &options, const scene::SceneF
   return checkOutputs(outputsOf(options), inputs);
 }
 
-/// Calls a function that adds probes and removes them again, so that these are no changes of the session.
-template <class Read>
-auto unrecorded(Session &session, const Read &read) {
-  const std::shared_ptr<ChangeLog> changes = session.changes();
-  std::optional<ChangeLog::Unrecorded> pause;
-  if (changes) pause.emplace(*changes);
-  return read();
-}
-
 /// Deforms the body at its rigid motion, with its landmarks. Errors: cancelled, and those of the landmarks.
 Expected<ElasticMatch> deform(const scene::SceneFile &scene, const SceneMatch &wanted, const MatchTargets &targets,
                               const std::vector<Landmark> &landmarks, const RigidMatch &rigid, Session &session,
@@ -114,7 +106,7 @@ Expected<ElasticMatch> deform(const scene::SceneFile &scene, const SceneMatch &w
                         session.plugins().ownerOf(simulator), takeError, progress);
   if (!out) return out;
   if (const auto now =
-          unrecorded(session, [&] { return measureLandmarks(simulator, landmarks, rigid, takeError, *out); });
+          unrecorded(session.changes(), [&] { return measureLandmarks(simulator, landmarks, rigid, takeError, *out); });
       !now)
     return tl::unexpected(now.error());
   return out;
@@ -133,13 +125,8 @@ struct Matched {
 Expected<void> writeOutputs(const MatchOptions &options, Session &session, const geometry::TriangleMesh &skin,
                             const MatchTargets &targets, const Matched &matched, const RunFacts &facts,
                             const HeadlessRun &run, WrittenOutputs &outputs) {
-  if (!options.run.report.empty()) {
-    const auto simulatorJson = run.simulatorReport();
-    if (!simulatorJson) return tl::unexpected(simulatorJson.error());
-    const auto json = reportJson(facts, *simulatorJson);
-    if (!json) return tl::unexpected(json.error());
-    outputs.note(options.run.report, writeWholeFile(options.run.report, *json));
-  }
+  if (!options.run.report.empty())
+    if (auto good = writeReport(options.run.report, facts, run, outputs); !good) return good;
   if (!options.residuals.empty())
     outputs.note(options.residuals,
                  writeWholeFile(options.residuals, residualTable(targets, matched.match, matched.elastic)));
@@ -187,21 +174,14 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   if (!wanted->landmarks.empty()) targetFiles.push_back(wanted->landmarks);
   const auto all = landmarksOf(*scene, options.run.landmarks, targetFiles);
   if (!all) return tl::unexpected(all.error());
-  const auto chosen = session.chooseSimulator(scene->simulatorClass);
-  if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
-  auto created = session.createSimulator(chosen->classId);
-  if (!created) return tl::unexpected(created.error());
-  const ObjectRef simulator(*created);
-  const auto table = simulatorTable(simulator.get());
-  if (!table) return tl::unexpected(table.error());
-  Prepared prepared;
-  if (const auto built = buildScene(session, simulator.get(), *scene, sources, progress, &prepared); !built)
-    return tl::unexpected(built.error());
+  const auto built = buildAtRest(session, *scene, sources, progress);
+  if (!built) return tl::unexpected(built.error());
+  c3de_object *const simulator = built->simulator.get();
   const auto takeError = [&session] { return session.plugins().takeError(); };
   const std::string name = nameInSimulator(*scene, wanted->body);
-  const auto skins = skinsOf(simulator.get(), name, takeError);
+  const auto skins = skinsOf(simulator, name, takeError);
   if (!skins) return tl::unexpected(skins.error());
-  const auto landmarks = landmarksOfBody(simulator.get(), *scene, *all, *wanted, name, takeError);
+  const auto landmarks = landmarksOfBody(simulator, *scene, *all, *wanted, name, takeError);
   if (!landmarks) return tl::unexpected(landmarks.error());
   auto rigid = findMotion(skins->rest, *targets, *landmarks, *wanted, &session.pool(), progress);
   if (!rigid) return tl::unexpected(rigid.error());
@@ -216,31 +196,26 @@ Expected<Matched> match(const MatchOptions &options, Session &session, WrittenOu
   still.exportImage = {};
   still.saveState.clear();
   still.saveSession.clear();
-  HeadlessRun run(session, simulator.get(), *table, still, {}, outputs, beginning->source);
+  HeadlessRun run(session, simulator, built->table, still, {}, outputs, beginning->source);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   // The session has adopted the simulator and logs its changes now.
-  auto elastic = deform(*scene, *wanted, *targets, *landmarks, out.match, session, simulator.get(), progress);
+  auto elastic = deform(*scene, *wanted, *targets, *landmarks, out.match, session, simulator, progress);
   if (!elastic) return tl::unexpected(elastic.error());
   out.elastic = std::move(*elastic);
   line.finish();
-  RunFacts facts = run.facts();
-  if (const auto hash = stateHash(*table, simulator.get()); hash) facts.stateHash = *hash;
-  facts.prepared = prepared;
-  facts.scene = scene->title;
-  facts.source = options.run.scene.string();
-  facts.simulator = *chosen;
+  RunFacts facts = built->facts(run, *scene, options.run.scene);
   facts.match = matchJson(out.match, out.elastic);
   if (!out.match.isUsable()) facts.outcome = "failed", facts.failure = failureOf(out.match);
-  const auto matched = skinsOf(simulator.get(), name, takeError);
+  const auto matched = skinsOf(simulator, name, takeError);
   if (!matched) return tl::unexpected(matched.error());
   if (const auto good = writeOutputs(options, session, matched->present, *targets, out, facts, run, outputs); !good)
     return tl::unexpected(good.error());
   if (out.match.isUsable())
-    if (const auto good = writeState(options.run, session, *scene, sources, prepared, *table, simulator.get(), *chosen,
-                                     *beginning, outputs);
+    if (const auto good = writeState(options.run, session, *scene, sources, built->prepared, built->table, simulator,
+                                     built->identity, *beginning, outputs);
         !good)
       return tl::unexpected(good.error());
-  out.notices.insert(out.notices.end(), prepared.notices.begin(), prepared.notices.end());
+  out.notices.insert(out.notices.end(), built->prepared.notices.begin(), built->prepared.notices.end());
   return out;
 }
 

@@ -150,7 +150,7 @@ void MatchController::open() {
   actions.cancel = [this] { cancel(); };
   actions.show = [this](std::size_t candidate) { show(candidate); };
   actions.deform = [this](std::size_t candidate) { beginFrom(candidate); };
-  actions.close = [this] { parts_.session.mainQueue().post(whileAlive([this] { close(); })); };
+  actions.close = [this] { parts_.session.mainQueue().post(unlessDestroyed([this] { close(); })); };
   panel_.emplace(parts_.panels, form_, std::move(actions));
 }
 
@@ -190,7 +190,7 @@ void MatchController::readBodies() {
   if (!simulation) return bodies_.clear();
   simulation->post(
       [&session = parts_.session, log = shownLog_, object = simulation->object(),
-       set = whileAlive([this](const std::shared_ptr<ChangeLog> &of, std::vector<std::string> names) {
+       set = unlessDestroyed([this](const std::shared_ptr<ChangeLog> &of, std::vector<std::string> names) {
          if (of == shownLog_) bodies_ = std::move(names);
        })] { session.mainQueue().post([set, log, names = simulatedBodies(object)] { set(log, names); }); });
 }
@@ -266,7 +266,7 @@ void MatchController::start(const SharedAttempt &attempt) {
   attempt->scene = presentScene();
   if (simulation->state().mode == C3DE_SIM_PLAYING) simulation->transport(C3DE_TRANSPORT_PAUSE);
   simulation->post([attempt, &session = parts_.session, object = simulation->object(),
-                    next = whileAlive([this](const SharedAttempt &one) { onRead(one); })] {
+                    next = unlessDestroyed([this](const SharedAttempt &one) { onRead(one); })] {
     attempt->read = attempt->readBefore(session, object);
     session.mainQueue().post([attempt, next] { next(attempt); });
   });
@@ -275,7 +275,7 @@ void MatchController::start(const SharedAttempt &attempt) {
 void MatchController::onRead(const SharedAttempt &attempt) {
   if (attempt != attempt_) return;
   if (!attempt->read) return end(attempt, attempt->read.error());
-  parts_.history.captureBefore(whileAlive([this, attempt](std::uint64_t capture) {
+  parts_.history.captureBefore(unlessDestroyed([this, attempt](std::uint64_t capture) {
     attempt->capture = capture;
     submit(attempt);
   }));
@@ -295,7 +295,7 @@ void MatchController::submit(const SharedAttempt &attempt) {
       [attempt, simulator, &session, owner = session.plugins().ownerOf(object)](const ProgressFn &progress) {
         return attempt->match(session, simulator->get(), owner, progress);
       },
-      whileAlive([this, attempt](const Expected<void> &result) { onMatched(attempt, result); }));
+      unlessDestroyed([this, attempt](const Expected<void> &result) { onMatched(attempt, result); }));
 }
 
 void MatchController::onMatched(const SharedAttempt &attempt, const Expected<void> &result) {
@@ -310,7 +310,7 @@ void MatchController::onMatched(const SharedAttempt &attempt, const Expected<voi
   scene::Simulation *simulation = parts_.session.simulation();
   if (!simulation) return end(attempt, {ErrorCode::state, "the simulation was closed"});
   simulation->post([attempt, &session = parts_.session, object = simulation->object(),
-                    next = whileAlive([this](const SharedAttempt &one) { onMeasured(one); })] {
+                    next = unlessDestroyed([this](const SharedAttempt &one) { onMeasured(one); })] {
     attempt->read = attempt->readAfter(session, object);
     session.mainQueue().post([attempt, next] { next(attempt); });
   });

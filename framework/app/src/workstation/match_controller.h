@@ -75,9 +75,9 @@ class MatchController {
   void exportResiduals(const std::filesystem::path &file);
   /// The function, with no effect after the end of this object. For the main thread.
   template <class Function>
-  [[nodiscard]] auto whileAlive(Function function) const {
-    return [alive = std::weak_ptr<const bool>(alive_), function = std::move(function)](auto &&...arguments) {
-      if (!alive.expired()) function(std::forward<decltype(arguments)>(arguments)...);
+  [[nodiscard]] auto unlessDestroyed(Function function) const {
+    return [lifetime = std::weak_ptr<const bool>(lifetime_), function = std::move(function)](auto &&...arguments) {
+      if (!lifetime.expired()) function(std::forward<decltype(arguments)>(arguments)...);
     };
   }
 
@@ -93,7 +93,7 @@ class MatchController {
   std::shared_ptr<ChangeLog> shownLog_;  ///< of these bodies
   std::uint64_t shownChanges_ = 0;
   bool isFormFilled_ = false;
-  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
+  std::shared_ptr<const bool> lifetime_ = std::make_shared<const bool>(true);
 };
 
 }  // namespace c3de::app

@@ -24,7 +24,8 @@ struct ShownErrors {
 };
 
 /// The measured points of a match in the 3D view: spheres with the colour of their distance to the surface, arrows from
-/// the surface to them, targets of landmarks, expected errors of the body, and legends. Each part has a node in the tree that shows and hides it.
+/// the surface to them, targets of landmarks, expected errors of the body, and legends. Each part has a node in the
+/// tree that shows and hides it.
 /// Main thread.
 class MatchPresenter {
  public:

@@ -383,7 +383,8 @@ C3DE_EMBED_API c3de_status c3de_embed_replay(c3de_sim sim, const c3de_embed_run_
 #define C3DE_EMBED_MATCH_IN_PLACE 1u   /* the position is given: the rigid motion is not searched for */
 #define C3DE_EMBED_MATCH_RIGID_ONLY 2u /* the body is not deformed */
 #define C3DE_EMBED_MATCH_FIT 4u        /* landmarks take part in the fit; otherwise they only evaluate the result */
-/* Starts from motion and deformation of the last match of this simulation and body, as for the next frame of a sequence:
+/* Starts from motion and deformation of the last match of this simulation and body, as for the next frame of a
+ * sequence:
  * no rigid search is made. Without an earlier usable match it has no effect. */
 #define C3DE_EMBED_MATCH_CONTINUE 8u
 
@@ -407,9 +408,9 @@ typedef struct c3de_embed_match_options {
 
 /* Matches a body to what was measured. The simulation is then in the matched state, held by the forces that were found,
  * if `verdict` is found, unexplained or given. json: `match` of the report of `c3de match`, lengths in mm.
- * C3DE_E_NOT_FOUND: there is no such body; C3DE_E_ARG: a value is refused; C3DE_E_FORMAT: the file is unreadable, or the
- * points cannot be used; C3DE_E_UNSUPPORTED: the simulator matches no bodies; C3DE_E_CANCELLED. Nothing has changed after
- * a failure. */
+ * C3DE_E_NOT_FOUND: there is no such body; C3DE_E_ARG: a value is refused; C3DE_E_FORMAT: the file is unreadable, or
+ * the points cannot be used; C3DE_E_UNSUPPORTED: the simulator matches no bodies; C3DE_E_CANCELLED. Nothing has changed
+ * after a failure. */
 C3DE_EMBED_API c3de_status c3de_embed_match(c3de_sim sim, uint64_t body, const c3de_embed_match_options *options,
                                             const char **json);
 
@@ -435,11 +436,11 @@ typedef struct c3de_embed_fit_options {
 C3DE_EMBED_API c3de_status c3de_embed_fit(c3de_sim sim, uint64_t body, const c3de_embed_fit_options *options,
                                           const char **json);
 
-/* Derivatives of an objective at the present static solution by the adjoint method. objective: [points_n][3], derivative
- * with respect to the displacement of each material point (1/m times its unit). forces: [points_n][3], with respect to a
- * force on each (1/N). json: object with `supports` (`fix`, `displacement` per m, `rotation` per rad about `centre_m`),
- * `foundation` (`stiffness`, `tangential`, per Pa/m) and `moduli` (`material`, `value` per Pa). C3DE_E_STATE: the solution
- * is not static, or has contact or flow, which are not differentiated. */
+/* Derivatives of an objective at the present static solution by the adjoint method. objective: [points_n][3],
+ * derivative with respect to the displacement of each material point (1/m times its unit). forces: [points_n][3], with
+ * respect to a force on each (1/N). json: object with `supports` (`fix`, `displacement` per m, `rotation` per rad about
+ * `centre_m`), `foundation` (`stiffness`, `tangential`, per Pa/m) and `moduli` (`material`, `value` per Pa).
+ * C3DE_E_STATE: the solution is not static, or has contact or flow, which are not differentiated. */
 C3DE_EMBED_API c3de_status c3de_embed_sensitivity(c3de_sim sim, uint64_t body, const double *objective,
                                                   uint64_t points_n, double *forces, const char **json);
 

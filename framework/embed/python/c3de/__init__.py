@@ -31,4 +31,5 @@ from ._sweep import SweepRow, sweep
 __version__ = version()
 __all__ = ["Body", "Condition", "Error", "Event", "Fit", "Hold", "Label", "Match", "Modulus", "Parameter", "PointSet",
            "Recording", "Replayed", "Scene", "Sensitivity", "Simulation", "Status", "SupportSensitivity", "Surface",
-           "SweepRow", "WarpedImage", "Window", "fit", "match", "open", "program", "replay", "resource", "sweep", "version"]
+           "SweepRow", "WarpedImage", "Window", "fit", "match", "open", "program", "replay", "resource", "sweep",
+           "version"]

@@ -113,8 +113,8 @@ class Body:
               landmarks: Optional["Pairs"] = None, use: str = "judge", noise: float = 1e-3, rigid_first: bool = True,
               deform: bool = True, weight: float = 10.0, follow: bool = False,
               progress: Union[bool, Callable[[float, str], Any]] = False) -> "Match":
-        """Brings the body to points measured on its surface: by a rigid motion, then by a deformation. The simulation is
-        then in the matched state and continues from it.
+        """Brings the body to points measured on its surface: by a rigid motion, then by a deformation. The simulation
+        is then in the matched state and continues from it.
 
         - points: (n, 3), m; or a file as of `c3de match --points`, in mm
         - normals: (n, 3), where they were measured; their sign has no meaning

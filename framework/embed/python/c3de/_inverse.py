@@ -26,14 +26,15 @@ class Match(NamedTuple):
     """The result of matching a body to measured points. Not for clinical use.
 
     - verdict: "found"; "given", the position was given; "unexplained", the noise does not explain the residual of the
-      rigid motion; "ambiguous", several motions fit equally well; "refused", none is credible. The body is in the matched
-      state in the first three cases only
+      rigid motion; "ambiguous", several motions fit equally well; "refused", none is credible. The body is in the
+      matched state in the first three cases only
     - motion: (4, 4) list, from the body at rest to what was measured; lengths in m
     - candidates: the motion before the deformation, then those that fit equally well, as `motion`
     - rms: of the distances between points and surface, m: "before", "rigid", and "after" where the body was deformed
     - landmark_errors: m, "before", "rigid", "after", each with "mean", "sd", "max"; None without landmarks
     - converged: the result can be used and its iterations have converged
-    - expected_error: of the deformation, root mean square over the body, m, without errors of the model; None: not known
+    - expected_error: m, of the deformation, root mean square over the body, without errors of the model; None: not
+      known
     - largest_expected_error: its largest value, m; None: not known
     - unknown_part: share of the body, 0 … 1, that the points hardly determine; None: not known
     - warnings: sentences
@@ -149,7 +150,8 @@ def _call(body: "Body", function: Any, options: Any, progress: Progress) -> Dict
     """A long call that returns JSON."""
     simulation = body.simulation
     reported = ReportedCall(progress)
-    options.progress = _l.PROGRESS(lambda _self, fraction, what: reported.report(fraction, what.decode(errors="replace")))
+    options.progress = _l.PROGRESS(
+        lambda _self, fraction, what: reported.report(fraction, what.decode(errors="replace")))
     out: List[Any] = []
 
     def call() -> None:

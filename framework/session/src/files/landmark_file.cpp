@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -17,6 +16,7 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
+#include "files/table_rows.h"
 
 namespace c3de::session {
 namespace {
@@ -38,19 +38,6 @@ std::optional<Format> formatOf(const std::filesystem::path &file) {
   if (name.ends_with(".fcsv")) return Format::fcsv;
   if (name.ends_with(".csv")) return Format::csv;
   return std::nullopt;
-}
-
-std::string trimmed(const std::string &text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::optional<double> numberOf(const std::string &text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= kLargest_mm))
-    return std::nullopt;
-  return number;
 }
 
 Vec3 lpsOf(const Vec3 &v, bool isRas) { return isRas ? Vec3{-v[0], -v[1], v[2]} : v; }
@@ -93,7 +80,7 @@ Expected<void> addRow(Collection &all, const std::string &where, const std::stri
   Vec3 at{};
   for (std::size_t a = 0; a < 3; ++a) {
     const std::string cell = trimmed((*split)[columns[a + 1]]);
-    const auto number = numberOf(cell);
+    const auto number = finiteNumber(cell, kLargest_mm);
     if (!number) return refuse(where, names[a + 1] + " is '" + cell + "'; accepted: a number in mm, from -1e6 to 1e6");
     at[a] = *number;
   }

@@ -5,16 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <string>
 
-#include "c3de/core/csv.h"
-#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
+#include "files/table_rows.h"
 
 namespace c3de::session {
 namespace {
@@ -26,23 +23,6 @@ constexpr double kSmallestPart = 2e-4,
 constexpr const char *kAccepted =
     "accepted: the columns displacement_mm and force_N, or rows of two numbers without names";
 
-tl::unexpected<Error> refusedRow(const std::filesystem::path &file, int line, const std::string &what) {
-  return fail(ErrorCode::input, displayMessage(fmt::format("{}:{}: {}", pathText(file), line, what)));
-}
-
-std::string trimmed(const std::string &text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::optional<double> finiteNumber(const std::string &text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= kLargestNumber))
-    return std::nullopt;
-  return number;
-}
-
 struct CurveColumns {
   std::array<std::size_t, 2> at{0, 1};
   std::array<std::string, 2> names{"displacement_mm", "force_N"};
@@ -53,8 +33,9 @@ struct CurveColumns {
 Expected<CurveColumns> columnsOf(const std::filesystem::path &file, int line, const std::vector<std::string> &first) {
   CurveColumns out;
   out.cells = first.size();
-  const bool isData =
-      std::any_of(first.begin(), first.end(), [](const std::string &cell) { return finiteNumber(cell).has_value(); });
+  const bool isData = std::any_of(first.begin(), first.end(), [](const std::string &cell) {
+    return finiteNumber(cell, kLargestNumber).has_value();
+  });
   if (isData) {
     if (first.size() == 2) return out;
     return refusedRow(file, line, fmt::format("the row has {} cells; {}", first.size(), kAccepted));
@@ -73,6 +54,26 @@ Expected<CurveColumns> columnsOf(const std::filesystem::path &file, int line, co
   return out;
 }
 
+Expected<void> addPoint(const std::filesystem::path &file, int line, const std::vector<std::string> &cells,
+                        const CurveColumns &columns, ForceCurve &out) {
+  if (cells.size() != columns.cells)
+    return refusedRow(file, line, fmt::format("the row has {} cells; accepted: {}", cells.size(), columns.cells));
+  std::array<double, 2> values{};
+  for (std::size_t c = 0; c < 2; ++c) {
+    const std::string &cell = cells[columns.at[c]];
+    const auto number = finiteNumber(cell, kLargestNumber);
+    if (!number)
+      return refusedRow(file, line, fmt::format("{} is '{}'; accepted: a finite number", columns.names[c], cell));
+    values[c] = *number;
+  }
+  if (out.lines.size() == kMaxCurvePoints)
+    return refusedRow(file, line, fmt::format("more than {} points; accepted: fewer", kMaxCurvePoints));
+  out.displacement_m.push_back((out.isInMillimetres ? 1e-3 : 1.0) * values[0]);
+  out.force_N.push_back(values[1]);
+  out.lines.push_back(line);
+  return {};
+}
+
 std::string pointOf(const ForceCurve &curve, std::size_t i) {
   return curve.lines.empty() ? fmt::format("point {}", i + 1) : fmt::format("line {}", curve.lines[i]);
 }
@@ -80,41 +81,19 @@ std::string pointOf(const ForceCurve &curve, std::size_t i) {
 }  // namespace
 
 Expected<ForceCurve> readForceCurve(const std::filesystem::path &file) {
-  auto opened = openInputFile(file);
-  if (!opened) return tl::unexpected(opened.error());
   ForceCurve out;
   std::optional<CurveColumns> columns;
-  std::string row;
-  for (int line = 1; std::getline(*opened, row); ++line) {
-    if (line == 1 && row.starts_with("\xef\xbb\xbf")) row.erase(0, 3);
-    row = trimmed(row);
-    if (row.empty() || row.front() == '#') continue;
-    auto cells = splitCsvRow(row);
-    if (!cells) return refusedRow(file, line, "a quotation mark is not closed; accepted: a row of cells");
-    for (std::string &cell : *cells) cell = trimmed(cell);
+  const auto read = readRows(file, [&](int line, const std::vector<std::string> &cells) -> Expected<void> {
     if (!columns) {
-      auto found = columnsOf(file, line, *cells);
+      auto found = columnsOf(file, line, cells);
       if (!found) return tl::unexpected(found.error());
       columns = std::move(*found);
       out.isInMillimetres = columns->names[0] == "displacement_mm";
-      if (columns->isNamed) continue;
+      if (columns->isNamed) return {};
     }
-    if (cells->size() != columns->cells)
-      return refusedRow(file, line, fmt::format("the row has {} cells; accepted: {}", cells->size(), columns->cells));
-    std::array<double, 2> values{};
-    for (std::size_t c = 0; c < 2; ++c) {
-      const std::string &cell = (*cells)[columns->at[c]];
-      const auto number = finiteNumber(cell);
-      if (!number)
-        return refusedRow(file, line, fmt::format("{} is '{}'; accepted: a finite number", columns->names[c], cell));
-      values[c] = *number;
-    }
-    if (out.lines.size() == kMaxCurvePoints)
-      return refusedRow(file, line, fmt::format("more than {} points; accepted: fewer", kMaxCurvePoints));
-    out.displacement_m.push_back((out.isInMillimetres ? 1e-3 : 1.0) * values[0]);
-    out.force_N.push_back(values[1]);
-    out.lines.push_back(line);
-  }
+    return addPoint(file, line, cells, *columns, out);
+  });
+  if (!read) return tl::unexpected(read.error());
   if (!columns || out.lines.empty())
     return fail(ErrorCode::input, displayMessage(fmt::format("{}: contains no points; {}", pathText(file), kAccepted)));
   return out;

@@ -5,16 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
-#include <fstream>
 #include <system_error>
 
-#include "c3de/core/csv.h"
-#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/session/landmark_file.h"
+#include "files/table_rows.h"
 
 namespace c3de::session {
 namespace {
@@ -24,23 +20,6 @@ namespace fs = std::filesystem;
 constexpr double kLargestNumber = 1e6;
 constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
 constexpr const char *kAccepted = "accepted: the columns frame or time_s, and x, y, z";
-
-tl::unexpected<Error> refusedRow(const fs::path &file, int line, const std::string &what) {
-  return fail(ErrorCode::input, displayMessage(fmt::format("{}:{}: {}", pathText(file), line, what)));
-}
-
-std::string trimmed(const std::string &text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::optional<double> finiteNumber(const std::string &text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= kLargestNumber))
-    return std::nullopt;
-  return number;
-}
 
 /// Whether a name comes before another one, with numbers in them by value.
 bool isBefore(const std::string &a, const std::string &b) {
@@ -99,7 +78,7 @@ Expected<void> addRow(const fs::path &file, int line, const std::vector<std::str
   if (name.empty()) return refusedRow(file, line, "the frame has no name; accepted: a number or text");
   std::optional<double> time_s;
   if (columns.time != kNoColumn) {
-    time_s = finiteNumber(cells[columns.time]);
+    time_s = finiteNumber(cells[columns.time], kLargestNumber);
     if (!time_s)
       return refusedRow(file, line,
                         fmt::format("time_s is '{}'; accepted: a number from -1e6 to 1e6", cells[columns.time]));
@@ -118,7 +97,7 @@ Expected<void> addRow(const fs::path &file, int line, const std::vector<std::str
   Vec3 point{};
   for (std::size_t a = 0; a < 3; ++a) {
     const std::string &cell = cells[columns.at[a]];
-    const auto number = finiteNumber(cell);
+    const auto number = finiteNumber(cell, kLargestNumber);
     if (!number)
       return refusedRow(file, line, fmt::format("{} is '{}'; accepted: a number from -1e6 to 1e6", "xyz"[a], cell));
     point[a] = factor * *number;
@@ -130,26 +109,16 @@ Expected<void> addRow(const fs::path &file, int line, const std::vector<std::str
 }
 
 Expected<std::vector<MeasuredFrame>> framesOfTable(const fs::path &file, double factor) {
-  auto opened = openInputFile(file);
-  if (!opened) return tl::unexpected(opened.error());
   std::vector<MeasuredFrame> out;
   std::optional<FrameColumns> columns;
-  std::string row;
-  for (int line = 1; std::getline(*opened, row); ++line) {
-    if (line == 1 && row.starts_with("\xef\xbb\xbf")) row.erase(0, 3);
-    row = trimmed(row);
-    if (row.empty() || row.front() == '#') continue;
-    auto cells = splitCsvRow(row);
-    if (!cells) return refusedRow(file, line, "a quotation mark is not closed; accepted: a row of cells");
-    for (std::string &cell : *cells) cell = trimmed(cell);
-    if (!columns) {
-      const auto found = columnsOf(file, line, *cells);
-      if (!found) return tl::unexpected(found.error());
-      columns = *found;
-      continue;
-    }
-    if (auto good = addRow(file, line, *cells, *columns, factor, out); !good) return tl::unexpected(good.error());
-  }
+  const auto read = readRows(file, [&](int line, const std::vector<std::string> &cells) -> Expected<void> {
+    if (columns) return addRow(file, line, cells, *columns, factor, out);
+    const auto found = columnsOf(file, line, cells);
+    if (!found) return tl::unexpected(found.error());
+    columns = *found;
+    return {};
+  });
+  if (!read) return tl::unexpected(read.error());
   if (out.empty())
     return fail(ErrorCode::input, displayMessage(fmt::format("{}: has no frame; {}", pathText(file), kAccepted)));
   return out;

@@ -3,15 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
-#include <fstream>
 
-#include "c3de/core/csv.h"
-#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/session/landmark_file.h"
+#include "files/table_rows.h"
 
 namespace c3de::session {
 namespace {
@@ -20,23 +16,6 @@ constexpr double kLargestNumber = 1e6;
 constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
 constexpr const char *kAcceptedColumns =
     "accepted: the columns x,y,z (and nx,ny,nz), or rows of three or six numbers without names";
-
-std::string trimmedCell(const std::string &text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::optional<double> finiteNumber(const std::string &text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= kLargestNumber))
-    return std::nullopt;
-  return number;
-}
-
-tl::unexpected<Error> refusedRow(const std::filesystem::path &file, int line, const std::string &what) {
-  return fail(ErrorCode::input, displayMessage(pathText(file) + ":" + std::to_string(line) + ": " + what));
-}
 
 /// Where x, y, z and the normal are in a row.
 struct PointColumns {
@@ -52,7 +31,8 @@ Expected<PointColumns> columnsOfPoints(const std::filesystem::path &file, int li
                                        const std::vector<std::string> &first) {
   PointColumns out;
   out.cells = first.size();
-  if (std::all_of(first.begin(), first.end(), [](const std::string &cell) { return finiteNumber(cell).has_value(); })) {
+  if (std::all_of(first.begin(), first.end(),
+                  [](const std::string &cell) { return finiteNumber(cell, kLargestNumber).has_value(); })) {
     if (first.size() == 6) out.at = {0, 1, 2, 3, 4, 5};
     if (first.size() == 3 || first.size() == 6) return out;
     return refusedRow(file, line, "the row has " + std::to_string(first.size()) + " numbers; " + kAcceptedColumns);
@@ -82,7 +62,7 @@ Expected<void> addPointRow(const std::filesystem::path &file, int line, const st
   std::array<double, 6> values{};
   for (std::size_t c = 0; c < (columns.hasNormals() ? 6 : 3); ++c) {
     const std::string &cell = cells[columns.at[c]];
-    const auto number = finiteNumber(cell);
+    const auto number = finiteNumber(cell, kLargestNumber);
     if (!number)
       return refusedRow(file, line, columns.names[c] + " is '" + cell + "'; accepted: a number from -1e6 to 1e6");
     values[c] = *number;
@@ -98,26 +78,18 @@ Expected<void> addPointRow(const std::filesystem::path &file, int line, const st
 }
 
 Expected<MeasuredPoints> readPointTable(const std::filesystem::path &file, double factor) {
-  auto opened = openInputFile(file);
-  if (!opened) return tl::unexpected(opened.error());
   MeasuredPoints out;
   std::optional<PointColumns> columns;
-  std::string row;
-  for (int line = 1; std::getline(*opened, row); ++line) {
-    if (line == 1 && row.starts_with("\xef\xbb\xbf")) row.erase(0, 3);
-    row = trimmedCell(row);
-    if (row.empty() || row.front() == '#') continue;
-    auto cells = splitCsvRow(row);
-    if (!cells) return refusedRow(file, line, "a quotation mark is not closed; accepted: a row of cells");
-    for (std::string &cell : *cells) cell = trimmedCell(cell);
+  const auto read = readRows(file, [&](int line, const std::vector<std::string> &cells) -> Expected<void> {
     if (!columns) {
-      auto found = columnsOfPoints(file, line, *cells);
+      auto found = columnsOfPoints(file, line, cells);
       if (!found) return tl::unexpected(found.error());
       columns = std::move(*found);
-      if (columns->isNamed) continue;
+      if (columns->isNamed) return {};
     }
-    if (auto good = addPointRow(file, line, *cells, *columns, factor, out); !good) return tl::unexpected(good.error());
-  }
+    return addPointRow(file, line, cells, *columns, factor, out);
+  });
+  if (!read) return tl::unexpected(read.error());
   if (out.points_mm.empty())
     return fail(ErrorCode::input, displayMessage(pathText(file) + ": has no point; " + kAcceptedColumns));
   return out;

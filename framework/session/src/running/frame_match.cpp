@@ -30,15 +30,6 @@ Expected<RigidMatch> matchAt(const Mat4 &motion, const geometry::TriangleMesh &s
   return out;
 }
 
-/// Calls a function that adds probes and removes them again, so that these are no changes of the session.
-template <class Read>
-auto unrecorded(Session &session, const Read &read) {
-  const std::shared_ptr<ChangeLog> changes = session.changes();
-  std::optional<ChangeLog::Unrecorded> pause;
-  if (changes) pause.emplace(*changes);
-  return read();
-}
-
 }  // namespace
 
 Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
@@ -48,7 +39,7 @@ Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const 
   const scene::SceneMatch &wanted = request.wanted;
   const auto takeError = [&session] { return session.plugins().takeError(); };
   const auto landmarks = unrecorded(
-      session, [&] { return landmarksOfBody(simulator, scene, request.landmarks, wanted, name, takeError); });
+      session.changes(), [&] { return landmarksOfBody(simulator, scene, request.landmarks, wanted, name, takeError); });
   if (!landmarks) return tl::unexpected(landmarks.error());
   ThreadPool *const pool = &session.pool();
   const bool continues = request.measuredFromBodyBefore.has_value();
@@ -69,8 +60,8 @@ Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const 
     anew.measuredFromBodyBefore.reset();
     return matchFrame(session, simulator, scene, name, skin, anew, progress);
   }
-  const auto measured =
-      unrecorded(session, [&] { return measureLandmarks(simulator, *landmarks, out.rigid, takeError, out.elastic); });
+  const auto measured = unrecorded(
+      session.changes(), [&] { return measureLandmarks(simulator, *landmarks, out.rigid, takeError, out.elastic); });
   if (!measured) return tl::unexpected(measured.error());
   out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;

@@ -30,7 +30,8 @@ struct BodyMatch {
   bool hasConverged = false;
   unsigned iterations = 0;
   Mat4 measuredFromBody = kIdentity4;  ///< rigid motion of the deformed body, in mm
-  /// Distances of the points to the surface, root mean square by robust weights: at the start, after the rigid motion, now
+  /// Distances of the points to the surface, root mean square by robust weights: at the start, after the rigid motion,
+  /// now
   double before_mm = 0.0, rigid_mm = 0.0, after_mm = 0.0;
   double usedPart = 0.0;  ///< 0 … 1: of the points; the others count as false
   double force_N = 0.0;   ///< sum of the magnitudes of the forces that were found
@@ -47,8 +48,8 @@ struct BodyMatch {
   std::vector<double> landmarkErrors_mm;  ///< [pairs]
 };
 
-/// Deforms a body of the simulator so that its surface meets the points; the simulator is then in that state, held by the
-/// forces that were found. Errors: the simulator does not match bodies, or has none of this name; its own reason
+/// Deforms a body of the simulator so that its surface meets the points; the simulator is then in that state, held by
+/// the forces that were found. Errors: the simulator does not match bodies, or has none of this name; its own reason
 /// (plugin); cancelled. Nothing has changed then. Any thread.
 /// @param owner      plugin of the simulator
 /// @param takeError  returns the text of the last failed call

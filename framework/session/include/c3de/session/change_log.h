@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <variant>
@@ -90,5 +91,14 @@ class ChangeLog {
   std::mutex listenerMutex_;
   std::function<void(const SimulationChange &)> listener_;
 };
+
+/// Calls a function whose changes are not recorded (ChangeLog::Unrecorded).
+/// @param log  null: none is kept
+template <class Function>
+auto unrecorded(const std::shared_ptr<ChangeLog> &log, const Function &function) {
+  std::optional<ChangeLog::Unrecorded> pause;
+  if (log) pause.emplace(*log);
+  return function();
+}
 
 }  // namespace c3de::session

@@ -92,7 +92,8 @@ void addLandmarks(const RigidMatch &match, std::vector<Vec3> at_mm, ElasticMatch
 [[nodiscard]] std::vector<std::string> warningsOf(const ElasticMatch &elastic);
 /// "1.2 ± 0.3 mm, at most 2".
 [[nodiscard]] std::string errorText(const ErrorSummary &errors);
-/// The match with another of its candidates as the motion, which a person has chosen; the verdict stays. Errors (usage):
+/// The match with another of its candidates as the motion, which a person has chosen; the verdict stays. Errors
+/// (usage):
 /// no such candidate.
 /// @param skin  of the body at rest
 [[nodiscard]] Expected<RigidMatch> withCandidate(const RigidMatch &match, std::size_t candidate,

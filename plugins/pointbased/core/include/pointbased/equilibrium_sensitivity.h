@@ -76,7 +76,8 @@ class EquilibriumSensitivitySolver {
   [[nodiscard]] Result<EquilibriumSensitivity> solve(Body &body, const Environment &environment, double loadFactor,
                                                      std::span<const Vec3> objective,
                                                      const SensitivitySettings &settings = {});
-  /// Sensitivities of a reaction. With w = du/dd of a translation d of the support and the potential Π of the equilibrium,
+  /// Sensitivities of a reaction. With w = du/dd of a translation d of the support and the potential Π of the
+  /// equilibrium,
   ///
   ///     K w = -K_h direction on free phyxels,   R = dΠ/dd,   dR/dE = w · dr/dE,   dR/dd = w · K w
   ///

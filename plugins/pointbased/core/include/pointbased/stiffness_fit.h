@@ -78,15 +78,15 @@ struct StiffnessFit {
 ///     minimise  Σ (y_i - f_i(E))²,   f_i the reaction at a displacement, or the displacement at a force
 ///
 /// by Gauss-Newton in log E with the exact derivatives of EquilibriumSensitivitySolver. Curves of more than twelve
-/// different points are interpolated between eleven solutions at Chebyshev points. Ratios of moduli, Poisson's ratio and
-/// volumeStiffness do not change, except for ratios that the curve determines. Gravity can cause several minima: ten and a
-/// hundred times the moduli are then tried as further starts.
+/// different points are interpolated between eleven solutions at Chebyshev points. Ratios of moduli, Poisson's ratio
+/// and volumeStiffness do not change, except for ratios that the curve determines. Gravity can cause several minima:
+/// ten and a hundred times the moduli are then tried as further starts.
 /// Errors: conditions that do not define what is prescribed; what the sensitivities refuse; fewer than four points that
 /// differ; values that are not finite, negative or decreasing; no equilibrium; forces against the displacement;
 /// "cancelled".
 /// @threads one at a time for a model; bitwise identical for any number behind parallelFor
-/// @source  Seber and Wild, Nonlinear Regression, 2003, ch. 5 (intervals); von Neumann, Annals of Mathematical Statistics
-///          12, 1941 (test of the residuals)
+/// @source  Seber and Wild, Nonlinear Regression, 2003, ch. 5 (intervals); von Neumann, Annals of Mathematical
+///          Statistics 12, 1941 (test of the residuals)
 [[nodiscard]] Result<StiffnessFit> fitStiffness(const StiffnessModel &model, std::span<const CurvePoint> curve,
                                                 const ParallelFor &parallelFor,
                                                 const StiffnessFitSettings &settings = {});

@@ -64,7 +64,8 @@ struct SurfaceMatchResult {
   std::vector<double> landmarkErrors;  ///< [landmarks] m
   double distanceAtStart = 0.0, distanceRigid = 0.0, distance = 0.0;  ///< m, root mean square by robust weights
   /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion
-  /// and the loads that are expected a priori; errors of the material are not included. Empty: not requested, or the equilibrium is not stable.
+  /// and the loads that are expected a priori; errors of the material are not included. Empty: not requested, or the
+  /// equilibrium is not stable.
   std::vector<double> expectedErrors;
   std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement hardly determines it
   double usedPart = 0.0;                ///< part of the points with a weight above a half
@@ -76,7 +77,8 @@ struct SurfaceMatchResult {
 /// The inverse problem of a partly seen surface: finds loads f and the rigid motion (R, t) after which the skin of the
 /// body in equilibrium meets measured points and landmarks.
 ///
-///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²)    with u in equilibrium with Σ q_p B_p
+///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²),
+///     u in equilibrium with Σ q_p B_p
 ///
 /// The loads B_p are smooth tractions around sites of the skin, a uniform body force, and the tractions of uniform
 /// stresses. Their size s is unknown; results are means over it by the marginal likelihood, so that the size of Young's
@@ -91,9 +93,9 @@ struct SurfaceMatchResult {
 ///
 /// The body keeps its fixes and loads; materials respond without flow and relaxation. Not for clinical use.
 /// @threads one at a time; bitwise identical for any number behind parallelFor
-/// @source  MacKay, Bayesian interpolation, Neural Computation 4, 1992 (size of the loads); Morozov, Methods for Solving
-///          Incorrectly Posed Problems, 1984 (discrepancy principle); Huber, Robust Statistics, 1981; Tarantola, Inverse
-///          Problem Theory, 2005, ch. 3 (covariance of the result)
+/// @source  MacKay, Bayesian interpolation, Neural Computation 4, 1992 (size of the loads); Morozov, Methods for
+///          Solving Incorrectly Posed Problems, 1984 (discrepancy principle); Huber, Robust Statistics, 1981;
+///          Tarantola, Inverse Problem Theory, 2005, ch. 3 (covariance of the result)
 class SurfaceMatch {
  public:
   /// Errors: no skin; a foundation that validate() refuses; nothing holds the body (a fix, or a foundation with both

@@ -285,7 +285,8 @@ class Iterations {
   Result<void> moveBody(MatchPotential &potential) {
     Vector6 gradient;
     Matrix6 hessian;
-    // Under compression the tangent may be indefinite between equilibria; the motion is then updated in the next iteration.
+    // Under compression the tangent may be indefinite between equilibria; the motion is then updated in the next
+    // iteration.
     if (auto done = reducedHessian(potential, gradient, hessian); !done) return {};
     Vector6 step = -hessian.ldlt().solve(gradient);
     if (!step.allFinite() || gradient.dot(step) > 0.0) return {};

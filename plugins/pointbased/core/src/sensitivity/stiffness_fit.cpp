@@ -204,7 +204,7 @@ class Fit {
            (inverse.diagonal().cwiseSqrt().array() / norms.array()).matrix();
   }
 
-  // Each modulus by itself, if the curve determines them.
+  // The moduli individually, if the curve determines them.
   Result<void> separate() {
     const auto before = std::make_tuple(groups_, logFactors_, now_, out_.hasConverged);
     const double largest = now_.derivatives.colwise().norm().maxCoeff();

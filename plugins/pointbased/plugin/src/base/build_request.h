@@ -18,7 +18,7 @@ class BuildRequest final : public StopRequest {
   explicit BuildRequest(const c3de::sdk::Progress &progress) : progress_(progress) {}
 
   /// Reports the progress of a stage. @return false: not wanted any more
-  [[nodiscard]] bool tell(double fraction, std::string what) {
+  [[nodiscard]] bool report(double fraction, std::string what) {
     fraction_ = fraction;
     what_ = std::move(what);
     ask();

@@ -83,7 +83,7 @@ void AccuracyControl::computeTrials(const sdk::Progress &progress, const Paralle
   }
   BuildRequest request(progress);
   const auto tried = [&](const Untried &one) -> DisplacementTrials {
-    if (!request.tell(0.0, one.name + ": trying coarse samplings")) return {nullptr, "its trials were cancelled"};
+    if (!request.report(0.0, one.name + ": trying coarse samplings")) return {nullptr, "its trials were cancelled"};
     if (one.rest->evaluation != Evaluation::stressPoints) return {nullptr, "phyxels without a lattice have no trials"};
     // Trials with an assumed support would not describe this state, and filling a body for them takes time.
     if (one.rest->conditions.fixes.empty() && !foundationOf(*one.values).holds())

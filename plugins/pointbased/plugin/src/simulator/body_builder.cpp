@@ -127,7 +127,7 @@ bool choosesSampling(const ParameterValues &values) {
 // The sampling chosen for a body before it is built.
 AccuracyPrediction predictionFor(const AccuracyProblem &problem, double area, const SamplingRequest &dial,
                                  const ParallelFor &parallelFor, BuildRequest &request) {
-  if (!request.tell(0.02, "trying coarse samplings")) throw cancelled();
+  if (!request.report(0.02, "trying coarse samplings")) throw cancelled();
   AccuracyPrediction promise;
   promise.wish = dial.wish;
   auto survey = surveyAccuracy(problem, parallelFor, &request);
@@ -198,7 +198,7 @@ bool isAdaptive(const Making &of) {
 
 // The sampling with local refinement for the same number of phyxels.
 AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
-  if (!of.request.tell(0.03, "locating the largest errors")) throw cancelled();
+  if (!of.request.report(0.03, "locating the largest errors")) throw cancelled();
   BodyRecipe tried = recipe;
   tried.loads.insert(tried.loads.end(), of.source.grabs.begin(), of.source.grabs.end());
   const auto unchanged = [&](std::string why) {
@@ -216,7 +216,7 @@ AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
 
 std::unique_ptr<Body> filledBody(const Making &of, const BodyRecipe &recipe) {
   auto rest = buildRestState(of.shape, recipe, of.surface.normals, of.parallelFor, [&](double fraction) {
-    return of.request.tell(0.05 + 0.8 * fraction, "filling with phyxels");
+    return of.request.report(0.05 + 0.8 * fraction, "filling with phyxels");
   });
   if (!rest) {
     if (rest.error() == "cancelled") throw cancelled();
@@ -224,7 +224,7 @@ std::unique_ptr<Body> filledBody(const Making &of, const BodyRecipe &recipe) {
   }
   if (const std::string thin = describeCoarseness(**rest, areaOf(of.surface)); !thin.empty() && !isRigid(of.values))
     throw sdk::Error(C3DE_E_ARG, of.name + ": " + thin);
-  if (!of.request.tell(0.85, "finding the stable step")) throw cancelled();
+  if (!of.request.report(0.85, "finding the stable step")) throw cancelled();
   return std::make_unique<Body>(of.name, std::move(*rest), of.constitution, of.parallelFor);
 }
 
@@ -259,7 +259,7 @@ std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe, std::op
 }
 
 void measureFrameOf(const Making &of, const Body &body, AccuracyPrediction &promise) {
-  if (!of.request.tell(0.9, "measuring a frame")) throw cancelled();
+  if (!of.request.report(0.9, "measuring a frame")) throw cancelled();
   promise.measured(of.dial.frameTime(body, &of.request));
   if (of.request.isRaised()) throw cancelled();
 }
@@ -342,7 +342,7 @@ BuiltBody build(const Services &services, const MaterialLaws &laws, const std::s
   const auto *meshes = services.meshes.table();
   if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
     throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
-  if (!request.tell(0.0, "placing the surface")) throw cancelled();
+  if (!request.report(0.0, "placing the surface")) throw cancelled();
 
   BuiltBody out;
   out.surface = placeMesh(services, mesh, source.placement);

@@ -38,14 +38,14 @@ std::shared_ptr<const WorldVerification> BodyVerifier::verify(const sdk::Progres
   const ParallelFor parallelFor = world_.context.services.parallelFor();
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double share = 1.0 / static_cast<double>(all.size());
-    const VerifyProgress tell = [&](double fraction, const std::string &what) {
-      return request.tell(share * (static_cast<double>(k) + fraction), out->bodies[k].name + ": " + what);
+    const VerifyProgress reportPart = [&](double fraction, const std::string &what) {
+      return request.report(share * (static_cast<double>(k) + fraction), out->bodies[k].name + ": " + what);
     };
-    if (!tell(0.0, "filling the fine reference")) throw Error(C3DE_E_CANCELLED, "cancelled");
+    if (!reportPart(0.0, "filling the fine reference")) throw Error(C3DE_E_CANCELLED, "cancelled");
     const VerifiedBody &one = all[k];
     BodyVerification &body = out->bodies[k];
     const BodyFilling filling = fillingOf(world_.context.services, body.name, one.source, *one.values, parallelFor);
-    auto verified = pointbased::verify(one.body, filling.shape, filling.recipe, parallelFor, tell, &request);
+    auto verified = pointbased::verify(one.body, filling.shape, filling.recipe, parallelFor, reportPart, &request);
     if (verified)
       body.result = std::move(*verified);
     else if (verified.error() == "cancelled")

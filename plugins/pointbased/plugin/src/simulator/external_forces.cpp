@@ -12,8 +12,8 @@ using sdk::Error;
 
 namespace {
 
-/// Of the sum of the forces' magnitudes. A repetition reduces the difference by the strain of the loaded surface, so the
-/// forces of the last solution are more accurate than this.
+/// Of the sum of the forces' magnitudes. A repetition reduces the difference by the strain of the loaded surface, so
+/// the forces of the last solution are more accurate than this.
 constexpr double kFollowerTolerance = 1e-4;
 /// Pressures that stretch the surface without a bound never agree; a warning reports it.
 constexpr int kMostRepetitions = 20;

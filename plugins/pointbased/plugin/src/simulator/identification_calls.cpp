@@ -129,7 +129,7 @@ void IdentificationCalls::fit(const c3de_fit_request *request, const c3de_progre
   settings.noise = in.noise;
   if (in.iterations > 0) settings.maxIterations = static_cast<int>(std::min(in.iterations, 1000u));
   settings.stop = &stop;
-  settings.progress = [&stop](double fraction) { return stop.tell(fraction, "solving along the curve"); };
+  settings.progress = [&stop](double fraction) { return stop.report(fraction, "solving along the curve"); };
   const auto found = fitStiffness(model, curve, parts_.world.context.services.parallelFor(), settings);
   if (!found) {
     if (found.error() == "cancelled") throw Error(C3DE_E_CANCELLED, "cancelled");

@@ -168,7 +168,7 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
     const bool isCancelled = result.error() == "cancelled";
     throw Error(isCancelled ? C3DE_E_CANCELLED : C3DE_E_STATE, result.error());
   };
-  if (!stop.tell(0.0, "computing responses of the body")) throw Error(C3DE_E_CANCELLED, "cancelled");
+  if (!stop.report(0.0, "computing responses of the body")) throw Error(C3DE_E_CANCELLED, "cancelled");
   std::unique_ptr<Kept> kept;
   {
     const std::lock_guard lock(keptMutex_);
@@ -184,8 +184,8 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
   if (in.iterations > 0) settings.maxIterations = static_cast<int>(std::min(in.iterations, 1000u));
   settings.stop = &stop;
   settings.progress = [&](const SurfaceMatchProgress &now) {
-    return stop.tell(0.5 + 0.5 * now.iteration / std::max(1, now.maxIterations),
-                     "distance " + shortNumber(1e3 * now.distance) + " mm");
+    return stop.report(0.5 + 0.5 * now.iteration / std::max(1, now.maxIterations),
+                       "distance " + shortNumber(1e3 * now.distance) + " mm");
   };
   SurfaceMatchResult found = checked(kept->solver.match(pointsOf(in), landmarksOf(in), settings));
   sdk::writeStruct(out, resultOf(found), "out");

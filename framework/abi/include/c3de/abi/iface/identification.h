@@ -18,8 +18,9 @@
 #define C3DE_FIT_UNEXPLAINED 1u  /* the model does not have the shape of the curve */
 #define C3DE_FIT_UNDETERMINED 2u /* the confidence interval extends beyond half or twice the modulus */
 
-/* A loading curve, in its order. The conditions of the body say what was prescribed: either the displacement of the only
- * support that moves, or the only force. Both quantities are components along it, and its magnitude has no effect. */
+/* A loading curve, in its order. The conditions of the body define what was prescribed: either the displacement of the
+ * only support that moves, or the only force. Both quantities are components along it, and its magnitude has no
+ * effect. */
 typedef struct c3de_fit_request {
   uint32_t size;
   uint32_t flags; /* C3DE_FIT_WATCHED */
@@ -55,10 +56,11 @@ typedef struct c3de_sensitivity_request {
 typedef struct c3de_identification_v0 {
   uint32_t size;
   uint32_t rev;
-  /* The simulation is unchanged. json: object with `reason` (of a verdict other than FOUND), `moduli`, an array of objects
-   * with `material`, `value_Pa`, `low_Pa`, `high_Pa` (95 % confidence interval; null: infinite) and `own` (false: a
-   * common factor with others), and `predicted`, an array of numbers (N or m) for the points. C3DE_E_STALE: the body no
-   * longer exists; C3DE_E_ARG: a value is refused; C3DE_E_STATE: the body cannot be fitted; C3DE_E_CANCELLED. [any] */
+  /* The simulation is unchanged. json: object with `reason` (of a verdict other than FOUND), `moduli`, an array of
+   * objects with `material`, `value_Pa`, `low_Pa`, `high_Pa` (95 % confidence interval; null: infinite) and `own`
+   * (false: a common factor with others), and `predicted`, an array of numbers (N or m) for the points. C3DE_E_STALE:
+   * the body no longer exists; C3DE_E_ARG: a value is refused; C3DE_E_STATE: the body cannot be fitted;
+   * C3DE_E_CANCELLED. [any] */
   c3de_status(C3DE_CALL *fit)(c3de_object *self, const c3de_fit_request *request, const c3de_progress *progress,
                               c3de_fit_result *out, c3de_sink json);
   /* Derivatives of an objective at the present static solution, which is unchanged. forces: [points_n][3], with respect

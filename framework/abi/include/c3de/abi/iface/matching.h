@@ -71,11 +71,12 @@ typedef struct c3de_matching_v0 {
   uint32_t rev;
   /* The body is then in equilibrium with the forces that were found, which act until a reset. In the world of the
    * simulation it deforms only; the motion is that of the result. progress: may be null; asked several times a second,
-   * also whether anybody still wants it. json: object with `points`, an array of objects with `distance_m` and `weight`,
-   * and `landmarks`, an array of objects with `error_m`. With
+   * also whether anybody still wants it. json: object with `points`, an array of objects with `distance_m` and
+   * `weight`, and `landmarks`, an array of objects with `error_m`. With
    * C3DE_MATCH_ERROR_KNOWN also `skin_error_m`: the expected error at each point of the surface (C3DE_SIM_ON_SURFACE),
-   * null where the measurement says hardly anything; a simulator may leave it out. Nothing changes on an error. C3DE_E_STALE: the body no longer
-   * exists; C3DE_E_ARG: a value is refused; C3DE_E_STATE: the body cannot be matched; C3DE_E_CANCELLED. [any] */
+   * null where the measurement says hardly anything; a simulator may leave it out. Nothing changes on an error.
+   * C3DE_E_STALE: the body no longer exists; C3DE_E_ARG: a value is refused; C3DE_E_STATE: the body cannot be matched;
+   * C3DE_E_CANCELLED. [any] */
   c3de_status(C3DE_CALL *match)(c3de_object *self, const c3de_match_request *request, const c3de_progress *progress,
                                 c3de_match_result *out, c3de_sink json);
 } c3de_matching_v0;

@@ -24,8 +24,8 @@ struct CellPlan {
   std::vector<Index> others;             ///< points that are not such cells, ascending
 };
 
-/// Cells with trilinear functions by material, in the order of the points, which follows a space-filling curve. Within a chunk, whole cells come
-/// first, because they are all alike.
+/// Cells with trilinear functions by material, in the order of the points, which follows a space-filling curve. Within
+/// a chunk, whole cells come first, because they are all alike.
 /// @param suits  per material: whether the kernels support it
 /// @param laminates  points that have one are grouped
 [[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits,

@@ -13,12 +13,13 @@ inline constexpr std::size_t kCellNodes = kCorners + kCellEdges;
 /// Phyxels of the row of an edge, at most.
 inline constexpr std::size_t kOfEdge = 4;
 
-/// Data of a cell besides CellNumber, in this order. Let b be the coefficients of the edges' functions and B = -4 b. For
-/// the four edges along a, with i and j the axes after it and s the signs of their sides, B_0 = Σ B, B_i = Σ s_i B,
+/// Data of a cell besides CellNumber, in this order. Let b be the coefficients of the edges' functions and B = -4 b.
+/// For the four edges along a, with i and j the axes after it and s the signs of their sides, B_0 = Σ B, B_i = Σ s_i B,
 /// B_j = Σ s_j B, B_ij = Σ s_i s_j B. With h, <·> and the coefficients of CellNumber (f = first, m = mixed):
 ///
 ///     G_a += f_a B_0 + m_j B_i + m_i B_j + T B_ij                 T = 2<abc>/h
-///     G_i += P_a B_i + R_aj B_ij,   G_j += P_a B_j + R_ai B_ij    P_a = -(1 - 4<a²>)/(8h),   R_ai = -(<i> - 4<a² i>)/(4h)
+///     G_i += P_a B_i + R_aj B_ij,   G_j += P_a B_j + R_ai B_ij
+///     P_a = -(1 - 4<a²>)/(8h),   R_ai = -(<i> - 4<a² i>)/(4h)
 ///
 /// and for H, the mean second derivatives of the motion times h/2, the corners and each axis add
 ///
