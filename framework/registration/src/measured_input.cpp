@@ -27,20 +27,6 @@ std::vector<std::size_t> differentPoints(const std::vector<Vec3> &points) {
   return out;
 }
 
-/// Extents that show another unit. A part of a surface has a twentieth of its extent, not a hundredth.
-Expected<void> checkExtent(double points_mm, double body_mm) {
-  constexpr double kSmallest = 1.0 / 100.0, kLargest = 20.0;
-  const double ratio = points_mm / body_mm;
-  if (ratio >= kSmallest && ratio <= kLargest) return {};
-  const std::string sizes =
-      fmt::format("the measured points extend over {:.3g} mm and the body over {:.3g} mm", points_mm, body_mm);
-  if (ratio < kSmallest && ratio > 1e-4)
-    return fail(ErrorCode::usage, sizes + "; if they are in metres, multiply them by 1000; accepted: points in mm");
-  if (ratio < kSmallest) return fail(ErrorCode::usage, sizes + "; accepted: points on a surface of a hundredth of it");
-  return fail(ErrorCode::usage,
-              fmt::format("{}; accepted: points in mm, of at most {:g} times the extent of the body", sizes, kLargest));
-}
-
 Expected<void> checkPairs(const std::vector<LandmarkPair> &pairs) {
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (!std::isfinite(norm(pairs[i].body_mm)) || !std::isfinite(norm(pairs[i].measured_mm)))
@@ -69,6 +55,19 @@ Expected<void> checkFinite(const std::vector<Vec3> &points, const char *what) {
         return fail(ErrorCode::usage, fmt::format("{} {} is ({:g}, {:g}, {:g}); accepted: finite coordinates in mm",
                                                   what, i + 1, points[i][0], points[i][1], points[i][2]));
   return {};
+}
+
+Expected<void> checkExtent(double points_mm, const TargetSurface &target) {
+  constexpr double kSmallest = 1.0 / 100.0, kLargest = 20.0;
+  const double body_mm = medianExtent(target.samples().points), ratio = points_mm / body_mm;
+  if (ratio >= kSmallest && ratio <= kLargest) return {};
+  const std::string sizes =
+      fmt::format("the measured points extend over {:.3g} mm and the body over {:.3g} mm", points_mm, body_mm);
+  if (ratio < kSmallest && ratio > 1e-4)
+    return fail(ErrorCode::usage, sizes + "; if they are in metres, multiply them by 1000; accepted: points in mm");
+  if (ratio < kSmallest) return fail(ErrorCode::usage, sizes + "; accepted: points on a surface of a hundredth of it");
+  return fail(ErrorCode::usage,
+              fmt::format("{}; accepted: points in mm, of at most {:g} times the extent of the body", sizes, kLargest));
 }
 
 Expected<CheckedInput> checkInput(const TargetSurface &target, const MeasuredSurface &measured,
@@ -104,8 +103,7 @@ Expected<CheckedInput> checkInput(const TargetSurface &target, const MeasuredSur
   out.points.pairs = measured.pairs;
   out.points.pairWeight = options.pointsPerPair;
   out.extent_mm = medianExtent(out.points.points);
-  if (auto good = checkExtent(out.extent_mm, medianExtent(target.samples().points)); !good)
-    return tl::unexpected(good.error());
+  if (auto good = checkExtent(out.extent_mm, target); !good) return tl::unexpected(good.error());
   if (!target.isClosed())
     out.warnings.emplace_back("the surface of the body is open: points beyond its borders count as outliers");
   return out;

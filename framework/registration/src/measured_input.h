@@ -22,6 +22,10 @@ struct CheckedInput {
 /// Twice the median distance of the points from their middle, which is the median of each coordinate.
 [[nodiscard]] double medianExtent(const std::vector<Vec3> &points);
 
+/// Extents that show another unit. A part of a surface has a twentieth of its extent, not a hundredth.
+/// @param points_mm  medianExtent() of the measured points
+[[nodiscard]] Expected<void> checkExtent(double points_mm, const TargetSurface &target);
+
 /// The first point whose coordinates are not finite. @param what  "measured point"
 [[nodiscard]] Expected<void> checkFinite(const std::vector<Vec3> &points, const char *what);
 

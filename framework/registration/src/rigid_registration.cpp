@@ -473,6 +473,8 @@ Expected<Residuals> residualsOf(const geometry::TriangleMesh &body, const std::v
   if (auto good = checkFinite(points_mm, "measured point"); !good) return tl::unexpected(good.error());
   const auto target = TargetSurface::of(body, pool);
   if (!target) return tl::unexpected(target.error());
+  if (points_mm.size() >= kFewestSurfacePoints)
+    if (auto good = checkExtent(medianExtent(points_mm), *target); !good) return tl::unexpected(good.error());
   return residualsAt(*target, points_mm, geometry::rigidInverse(measuredFromBody), limit_mm, pool);
 }
 

@@ -361,4 +361,9 @@ TEST_CASE("Residuals without a fit are those of the motion that is given") {
   CHECK_THAT(out->rms_mm, WithinAbs(std::sqrt(4.5), 0.05));
   CHECK_THAT(out->inlierShare, WithinAbs(2.0 / 3.0, 1e-12));
   CHECK_THAT(registration::residualsOf(sphere, {}, kIdentity4, 5.0).error().message, Contains("no measured points"));
+  std::vector<Vec3> metres = sphere.vertices;
+  for (Vec3 &p : metres) p = 1e-3 * p;
+  const auto inMetres = registration::residualsOf(sphere, metres, kIdentity4, 5.0);
+  REQUIRE_FALSE(inMetres);
+  CHECK_THAT(inMetres.error().message, Contains("if they are in metres, multiply them by 1000"));
 }

@@ -101,3 +101,17 @@ TEST_CASE("The label of a match is a number or a name") {
   CHECK(match.labels.labelName == "7th segment");
   CHECK_FALSE(setMatchLabel("70000", match));
 }
+
+TEST_CASE("The expected error of a deformation is a lower bound where points hardly determine the body") {
+  ElasticMatch elastic;
+  elastic.body.emplace().error.emplace(BodyMatch::ExpectedError{2.3, 4.0, 0.1});
+  const auto lineOf = [&elastic] {
+    std::string out;
+    for (const std::string &line : matchLines({}, elastic))
+      if (line.find("expected error of the deformation") != std::string::npos) out = line;
+    return out;
+  };
+  CHECK_THAT(lineOf(), Contains("deformation: 2.3 mm"));
+  elastic.body->error->unknownPart = 0.3;
+  CHECK_THAT(lineOf(), Contains("deformation: at least 2.3 mm"));
+}

@@ -85,8 +85,9 @@ Section deformationSection(const ElasticMatch &elastic) {
     out.rows.push_back({"Expected error", "not known: the equilibrium is not stable"});
     return out;
   }
-  out.rows.push_back({"Expected error", fmt::format("{:.2g} mm rms, at most {:.2g}, without errors of the model",
-                                                    body.error->rms_mm, body.error->largest_mm)});
+  out.rows.push_back({"Expected error", fmt::format("{}{:.2g} mm rms, largest {:.2g}, without errors of the model",
+                                                    body.error->isLowerBound() ? "at least " : "", body.error->rms_mm,
+                                                    body.error->largest_mm)});
   out.rows.push_back(
       {"Unknown part", fmt::format("{:.0f} % of the body is hardly determined", 100.0 * body.error->unknownPart)});
   return out;

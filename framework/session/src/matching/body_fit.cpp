@@ -106,6 +106,27 @@ Expected<BodyFit> fitOf(const c3de_fit_result &result, const std::string &text, 
 double shownScale(const BodyFit &fit) { return fit.isLoaded ? 1e3 : 1.0; }
 const char *shownUnit(const BodyFit &fit) { return fit.isLoaded ? "mm" : "N"; }
 
+/// Why the fit should not be trusted. A curve that does not begin at the value of the model has an offset (a weight, a
+/// preload), which no modulus explains.
+std::vector<std::string> warningsOf(const BodyFit &fit, const ForceCurve &curve) {
+  constexpr double kLargeOffset = 0.02;  // of the largest measured value
+  std::vector<std::string> out;
+  if (!fit.reason.empty()) out.push_back(fit.reason);
+  const std::vector<double> &prescribed = fit.isLoaded ? curve.force_N : curve.displacement_m;
+  const std::vector<double> &measured = fit.isLoaded ? curve.displacement_m : curve.force_N;
+  if (prescribed.empty() || prescribed.front() != 0.0) return out;
+  double largest = 0.0;
+  for (const double value : measured) largest = std::max(largest, std::abs(value));
+  const double offset = measured.front() - fit.predicted.front();
+  if (std::abs(offset) > kLargeOffset * largest)
+    out.push_back(
+        fmt::format("the curve begins with {0:.3g} {1}, the model with {2:.3g} {1}: an offset of {3:.2g} % of "
+                    "the largest value; subtract it if it is a weight or a preload",
+                    shownScale(fit) * measured.front(), shownUnit(fit), shownScale(fit) * fit.predicted.front(),
+                    100.0 * std::abs(offset) / largest));
+  return out;
+}
+
 }  // namespace
 
 const char *nameOf(FitVerdict verdict) {
@@ -190,8 +211,7 @@ std::string fitJson(const BodyFit &fit, const ForceCurve &curve, const FitFacts 
     json["curve_points"].push_back(Json{{"displacement_mm", 1e3 * curve.displacement_m[i]},
                                         {"force_N", curve.force_N[i]},
                                         {"predicted", scale * fit.predicted[i]}});
-  json["warnings"] = Json::array();
-  if (!fit.reason.empty()) json["warnings"].push_back(fit.reason);
+  json["warnings"] = warningsOf(fit, curve);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -208,7 +228,7 @@ std::vector<std::string> fitLines(const BodyFit &fit, const ForceCurve &curve, c
     lines.emplace_back("the curve does not determine the moduli individually: their ratios are those of the scene");
   lines.push_back(fmt::format("residual {:.3g} {}, {:.2g} % of the measured values", shownScale(fit) * fit.residual,
                               shownUnit(fit), 100.0 * fit.residual / fit.measured));
-  if (!fit.reason.empty()) lines.push_back("  warning: " + fit.reason);
+  for (const std::string &warning : warningsOf(fit, curve)) lines.push_back("  warning: " + warning);
   return lines;
 }
 

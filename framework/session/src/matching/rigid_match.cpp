@@ -129,11 +129,10 @@ std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
         fmt::format("the deformation uses {:.0f} % of the points: the others are farther away than the noise "
                     "explains; the noise may be larger, or they may be of another body",
                     100.0 * elastic.body->usedPart));
-  constexpr double kLargePart = 0.2;
-  if (const auto &error = elastic.body->error; error && error->unknownPart > kLargePart)
+  if (const auto &error = elastic.body->error; error && error->isLowerBound())
     out.push_back(fmt::format(
-        "the points hardly determine {:.0f} % of the body; measure more of its surface or landmarks near its supports, "
-        "or give its position",
+        "the points hardly determine {:.0f} % of the body, so that its error may be several times the expected one; "
+        "measure more of its surface or landmarks near its supports, or give its position",
         100.0 * error->unknownPart));
   if (!elastic.body->error)
     out.push_back("the error of the deformation is not known, because its equilibrium is not stable; do not trust it");
@@ -323,9 +322,10 @@ std::vector<std::string> matchLines(const RigidMatch &match, const ElasticMatch 
                     100.0 * body.usedPart, body.force_N));
     if (body.error)
       lines.push_back(
-          fmt::format("expected error of the deformation: {:.2g} mm, at most {:.2g}; {:.0f} % of the body is "
+          fmt::format("expected error of the deformation: {}{:.2g} mm, largest {:.2g}; {:.0f} % of the body is "
                       "hardly determined",
-                      body.error->rms_mm, body.error->largest_mm, 100.0 * body.error->unknownPart));
+                      body.error->isLowerBound() ? "at least " : "", body.error->rms_mm, body.error->largest_mm,
+                      100.0 * body.error->unknownPart));
     if (elastic.after) lines.push_back("landmarks: " + errorText(*elastic.after) + " after the deformation");
   }
   for (const std::string &warning : warningsOf(elastic)) lines.push_back("  warning: " + warning);

@@ -39,6 +39,8 @@ struct BodyMatch {
   struct ExpectedError {
     double rms_mm = 0.0, largest_mm = 0.0;
     double unknownPart = 0.0;  ///< 0 … 1: of the body, which the points hardly determine
+    /// So much of the body is hardly determined that the expected errors are lower bounds.
+    [[nodiscard]] bool isLowerBound() const { return unknownPart > 0.2; }
   };
   std::optional<ExpectedError> error;
   std::vector<std::optional<double>> distance_mm;  ///< [points]; none: no part of the surface faces the point
