@@ -170,12 +170,14 @@ c3de_install_packages() {
   [ -z "$welcome" ] || c3de_install $welcome || c3de_say "could not be installed, goes on without: $(c3de_missing $welcome)"
 }
 
-# c3de_configure [tests]   once; with tests also where it was configured without.
+# c3de_configure [tests|all]   once; with tests, or all tests, also where it was configured without.
 c3de_configure() {
-  local cache=build/release/CMakeCache.txt options=()
-  if [ "${1:-}" = tests ]; then
-    options=(-DC3DE_BUILD_TESTS=ON -DC3DE_BUILD_BENCHMARKS=ON)
-    [ -f build/release/build.ninja ] && grep -q '^C3DE_BUILD_TESTS:BOOL=ON' "$cache" 2>/dev/null && return 0
+  local cache=build/release/CMakeCache.txt options=() slow=OFF
+  if [ -n "${1:-}" ]; then
+    [ "$1" != all ] || slow=ON
+    options=(-DC3DE_BUILD_TESTS=ON -DC3DE_BUILD_BENCHMARKS=ON "-DC3DE_BUILD_SLOW_TESTS=$slow")
+    [ -f build/release/build.ninja ] && grep -q '^C3DE_BUILD_TESTS:BOOL=ON' "$cache" 2>/dev/null &&
+      grep -q "^C3DE_BUILD_SLOW_TESTS:BOOL=$slow" "$cache" && return 0
   else
     [ -f build/release/build.ninja ] && grep -q '^C3DE_BUILD_BENCHMARKS:BOOL=ON' "$cache" 2>/dev/null && return 0
     # The program alone needs no test library. Benchmarks are targets that are built when they are asked for.

@@ -88,7 +88,7 @@ TEST_CASE("A budget is kept, and said per frame of 1/60 s") {
   CHECK(less["bodies"][0]["phyxels"] < report["bodies"][0]["phyxels"]);
 }
 
-TEST_CASE("A budget is used, and the same wish gives the same count again and again") {
+TEST_CASE("A budget is used, and the same wish gives the same count again and again", "[slow]") {
   const auto folder = freshFolder("accuracy-again");
   const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 4 }", "", "explicit");
   double most = 0.0, least = 1e9, smallestPromise = 1e9;
@@ -108,7 +108,7 @@ TEST_CASE("A budget is used, and the same wish gives the same count again and ag
   CHECK(most <= 1.1 * least);
 }
 
-TEST_CASE("A budget holds for bodies that touch, and the report says what that takes") {
+TEST_CASE("A budget holds for bodies that touch, and the report says what that takes", "[slow]") {
   const auto folder = freshFolder("accuracy-touching");
   const auto beam = [](const std::string &name, const std::string &place) {
     return "[[body]]\nname = \"" + name + "\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nposition = " + place +
@@ -162,7 +162,7 @@ TEST_CASE("Wishes that contradict each other or the sampling are refused with th
   CHECK_THAT(refused("", "", {"--set", "accuracy.budget=3"}), Contains("budget_ms"));
 }
 
-TEST_CASE("A wish of the command line takes the place of that of the scene") {
+TEST_CASE("A wish of the command line takes the place of that of the scene", "[slow]") {
   const auto folder = freshFolder("accuracy-override");
   const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 16 }");
   const Json report = reportOf(folder, scene, {"--set", "accuracy.error_percent=5"});

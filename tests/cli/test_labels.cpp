@@ -78,7 +78,7 @@ TEST_CASE("Labels of a body that flies by whole voxels are exported with the sam
   CHECK_THAT(own.errorOutput, Contains("is read by this run"));
 }
 
-TEST_CASE("The deformed labels of an abdomen have the volumes that their tissue has", "[labels]") {
+TEST_CASE("The deformed labels of an abdomen have the volumes that their tissue has", "[labels][slow]") {
   C3DE_DATA_OR_SKIP(scene, "found/labels/labels_warp.toml");
   const auto folder = freshFolder("labels_warp");
   const auto image = folder / "image.nii.gz", labels = folder / "labels.nii.gz", report = folder / "report.json";

@@ -173,7 +173,7 @@ TEST_CASE("With the count that is proposed the stress figure of bars is below a 
   }
 }
 
-TEST_CASE("A tube far thinner than the spacing is refused, with what would do") {
+TEST_CASE("A tube far thinner than the spacing is refused, with what would do", "[slow]") {
   C3DE_DATA_OR_SKIP(scene, "found/energy_from_nothing.toml");
   const auto folder = freshFolder("too-coarse");
   const auto refused = runC3de({"run", scene.string(), "--until", "0.1"});

@@ -25,7 +25,7 @@ std::string refusal(const fs::path &file, std::vector<std::string> more = {}) {
 
 }  // namespace
 
-TEST_CASE("A run that goes on from a session is the uninterrupted run, bit for bit", "[session]") {
+TEST_CASE("A run that goes on from a session is the uninterrupted run, bit for bit", "[session][slow]") {
   const fs::path folder = freshFolder("sessions"), scenes = fs::path(testResourcesFolder()) / "scenes";
   const std::string springs =
       (fs::path(testExampleFolder()) / ("mass_spring" + std::string(c3de::pluginExtension()))).string();

@@ -306,7 +306,7 @@ std::string cutOfShippedStudy(const std::vector<std::string> &names) {
 
 }  // namespace
 
-TEST_CASE("A cut of the shipped study: five classes of methods in one picture, the same errors each time") {
+TEST_CASE("A cut of the shipped study: five classes of methods in one picture, the same errors each time", "[slow]") {
   const auto folder = freshFolder("study-eight");
   const auto file =
       writeFile(folder / "study.toml", cutOfShippedStudy({"patch", "cantilever", "free cube", "truth cube"}));

@@ -232,7 +232,7 @@ TEST_CASE("Tissues may be told by values and by distance, beside labels and with
   CHECK_THAT(refusal("name = \"gizmo\", margin = 3"), Contains("no tissue is known by the name 'gizmo'"));
 }
 
-TEST_CASE("In the living brain the skull stays, the brain moves and nothing is turned inside out", "[tissues]") {
+TEST_CASE("In the living brain the skull stays, the brain moves and nothing is turned inside out", "[tissues][slow]") {
   if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz"))
     C3DE_SKIP("mricron-data is not installed");
   const auto folder = freshFolder("living-brain");

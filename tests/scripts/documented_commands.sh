@@ -95,7 +95,7 @@ instead() {
     ./check*) reason="runs all tests" ;;
     *'cmake --preset '*) reason="builds the whole tree anew" ;;
     *test_ui*) reason="built by ./check; takes minutes" ;;
-    *bin/fuzz_* | *benchmarks/counts.cmake*) reason="built by ./check, where a test does the same" ;;
+    *bin/fuzz_* | *benchmarks/counts.cmake*) reason="built by ./check --all, where a test does the same" ;;
     *bench_*) reason="built when it is asked for; takes minutes" ;;
     'cmake --build build/release --target '*) reason="needs a build tree" ;;
     'cmake -S PREFIX/share/c3de/examples'* | 'cmake -S heart_beat'* | 'cmake --build my_plugins' | 'cmake --build batch && batch/batch')

@@ -76,9 +76,12 @@ if [ "\$1" = --preset ]; then
     printf '{\n  "directory": "%s",\n  "command": "c++ -I%s/framework -isystem /usr/include/x -DTEXT=%s -O3 -o a.o -c a",\n  "file": "%s"\n},\n' \
       "\$PWD" "\$PWD" '\\\\\\"it\\\\\\"' "\$PWD/\$file"
   done >build/clang/compile_commands.json
-  tests=OFF
-  for a in "\$@"; do [ "\$a" != -DC3DE_BUILD_TESTS=ON ] || tests=ON; done
-  printf 'C3DE_BUILD_TESTS:BOOL=%s\nC3DE_BUILD_BENCHMARKS:BOOL=ON\n' "\$tests" >build/release/CMakeCache.txt
+  tests=OFF slow=OFF
+  for a in "\$@"; do
+    [ "\$a" != -DC3DE_BUILD_TESTS=ON ] || tests=ON
+    [ "\$a" != -DC3DE_BUILD_SLOW_TESTS=ON ] || slow=ON
+  done
+  printf 'C3DE_BUILD_%s:BOOL=%s\n' TESTS "\$tests" SLOW_TESTS "\$slow" BENCHMARKS ON >build/release/CMakeCache.txt
   exit 0
 fi
 [ ! -f "$state/anew" ] || { echo "[0/2] Re-checking globbed directories..."; sleep 5; }
@@ -289,6 +292,20 @@ case $machine in
     called 'cmake --preset release -DC3DE_BUILD_TESTS=ON'
     called 'cmake --build build/release$'
     called 'ctest .*-R core'
+    ;;
+  check_all_adds_slow_tests)
+    cp "$state/sources" "$state/installed"
+    launch check
+    called 'cmake --preset release .*-DC3DE_BUILD_SLOW_TESTS=OFF'
+    : >"$state/log"
+    launch check --all -R core
+    ends_with_status 0
+    called 'cmake --preset release .*-DC3DE_BUILD_SLOW_TESTS=ON'
+    called 'ctest .*-R core'
+    never_called '--all'
+    : >"$state/log"
+    launch check --all
+    never_called 'cmake --preset'
     ;;
   run_keeps_tests)
     cp "$state/sources" "$state/installed"

@@ -1,5 +1,6 @@
 # c3de_test(NAME SOURCES … [LINKS …] [LABELS …] [PRECOMPILE <header> … | PRECOMPILED_LIKE other])
 # A Catch2 program whose test cases become ctest tests. A case that calls C3DE_SKIP (support/catch.h) counts as skipped.
+# Cases with the tag [slow] are tests only with C3DE_BUILD_SLOW_TESTS, and have the label "slow".
 include(Catch)
 
 # Programs for Windows that are built and tested on Linux find the files of the tree on wine's drive Z.
@@ -27,10 +28,33 @@ function(c3de_test name)
   endif()
   # A name that is lost on the way (";" ends an item of cmake's lists) selects no case, which Catch2 counts as passed.
   set(props FAIL_REGULAR_EXPRESSION "No test cases matched" SKIP_REGULAR_EXPRESSION "\\[C3DE-SKIPPED\\]")
+  set(labels "")
   if(ARG_LABELS)
-    list(APPEND props LABELS "${ARG_LABELS}")
+    set(labels LABELS ${ARG_LABELS})
   endif()
-  catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES ${props})
+  set(hasSlow FALSE)
+  list(FILTER ARG_SOURCES INCLUDE REGEX "^[a-z_]+\\.cpp$")
+  foreach(source IN LISTS ARG_SOURCES)
+    file(STRINGS "${source}" lines LIMIT_COUNT 1 REGEX "\\[slow\\]")
+    if(lines)
+      set(hasSlow TRUE)
+    endif()
+  endforeach()
+  if(hasSlow)
+    # Without "~[.]" an exclusion would select hidden cases as well.
+    catch_discover_tests(${name} TEST_PREFIX "${name}: " TEST_SPEC "~[slow]~[.]" PROPERTIES ${props} ${labels})
+  else()
+    catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES ${props} ${labels})
+  endif()
+  if(hasSlow AND C3DE_BUILD_SLOW_TESTS)
+    # Discovery takes one label: "slow" or, for example, "validation-slow". Parts of it select as well (ctest -L validation).
+    list(JOIN ARG_LABELS "-" label)
+    set(labels LABELS slow)
+    if(label)
+      set(labels LABELS ${label}-slow)
+    endif()
+    catch_discover_tests(${name} TEST_PREFIX "${name}: " TEST_SPEC "[slow]" PROPERTIES ${props} ${labels})
+  endif()
 endfunction()
 
 # c3de_test_definitions(TARGET DEFINITIONS …): definitions that may be paths of this machine, as the program sees them.

@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 // Twelve times the longest wait on an idle machine: a wait that ends here hangs, and is not slow.
 constexpr double kPatience_s = 180.0;
+constexpr double kOpening_s = 10.0;  // until a number that was clicked is a text field
 
 void pause(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
 
@@ -351,7 +352,15 @@ void WorkstationDriver::moveAlong(Point from, Point to, int steps) {
 }
 
 void WorkstationDriver::enterNumber(const std::string &field, const std::string &text) {
+  // A click during a slow step may miss: the row has moved before it is seen. As a user would, it is repeated.
+  const auto opens = [this] {
+    const Clock::time_point begin = Clock::now();
+    while (!state().value("text_input", false))
+      if (secondsSince(begin) > C3DE_UI_PATIENCE * kOpening_s) return false;
+    return true;
+  };
   controlClick(field);
+  for (int tries = 1; tries < 3 && !opens(); ++tries) controlClick(field);
   key("ctrl+a");
   type(text);
   key("Return");

@@ -130,7 +130,7 @@ TEST_CASE("plugins that are refused fail in the check that says why") {
   }
 }
 
-TEST_CASE("each way to misbehave is found by the check beside it") {
+TEST_CASE("each way to misbehave is found by the check beside it", "[slow]") {
   struct Mode {
     const char *mode, *check, *result, *says;
   };

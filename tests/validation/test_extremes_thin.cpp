@@ -202,7 +202,7 @@ void tryAll(const std::vector<double> &ratios, const std::vector<Course> &course
 
 }  // namespace
 
-TEST_CASE("thin bodies gain no energy and grow no spikes, whatever their spacing") {
+TEST_CASE("thin bodies gain no energy and grow no spikes, whatever their spacing", "[slow]") {
   tryAll({6.0, 4.0, 2.5},
          {{Integrator::explicitVerlet, 0.0, false, Happening::falls},
           {Integrator::explicitVerlet, 5e-4, true, Happening::falls},

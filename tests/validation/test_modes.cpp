@@ -38,7 +38,7 @@ std::vector<double> elasticOnes(Body &body, int count, bool isFree, double *lowe
 
 }  // namespace
 
-TEST_CASE("frequencies of a free cube", "[truth]") {
+TEST_CASE("frequencies of a free cube", "[truth][slow]") {
   const double a = 0.1, speed = std::sqrt(kE / 2.6 / kDensity);
   for (const int n : {6, 10}) {
     SolvedBody body(vibrating(solids::box(Vec3::Zero(), Vec3::Constant(a)), a / n));

@@ -124,7 +124,7 @@ void fallAndRest(const Organ &organ) {
 
 }  // namespace
 
-TEST_CASE("the OpenHELP liver falls on a hill and comes to rest") {
+TEST_CASE("the OpenHELP liver falls on a hill and comes to rest", "[slow]") {
   fallAndRest({"openhelp/Liver.stl", geometry::LengthUnit::millimetre, 1.0});
 }
 TEST_CASE("the OpenHELP kidney falls on a hill and comes to rest") {

@@ -185,7 +185,7 @@ TEST_CASE("a liver responds the same with 500, 1 000 and 5 000 phyxels", "[truth
   compareSamplings({"liver (SOFA)", mesh, 0.03, 0, 1}, {500, 1000, 5000});
 }
 
-TEST_CASE("a brain responds the same with 500, 1 000 and 5 000 phyxels", "[truth]") {
+TEST_CASE("a brain responds the same with 500, 1 000 and 5 000 phyxels", "[truth][slow]") {
   compareSamplings({"brain (own shape)", writeBrain(), 1.0, 2, 40}, {500, 1000, 5000});
 }
 

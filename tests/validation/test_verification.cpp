@@ -118,7 +118,7 @@ void judge(const Case &one, const std::string &quantity, double coarse, double f
 
 }  // namespace
 
-TEST_CASE("verify: its error is within a factor of 1.5 of the true one", "[verify]") {
+TEST_CASE("verify: its error is within a factor of 1.5 of the true one", "[verify][slow]") {
   std::vector<Case> cases;
   addBeams(cases);
   addCurved(cases);

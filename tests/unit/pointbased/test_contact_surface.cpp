@@ -21,7 +21,7 @@ constexpr double kSunk = 84e-6;  // m
 
 }  // namespace
 
-TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100 m/s, and gains no energy") {
+TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100 m/s, and gains no energy", "[slow]") {
   const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk,
                                          Integrator::implicitMidpoint, Integrator::backwardEuler);
   const double speed = GENERATE(1.0, 10.0, 100.0);

@@ -132,7 +132,8 @@ double errorOfSpeed(const Slide &of) {
 
 }  // namespace
 
-TEST_CASE("a soft block slides on the flat skin of a rigid body as Coulomb says, whatever the triangles are") {
+TEST_CASE("a soft block slides on the flat skin of a rigid body as Coulomb says, whatever the triangles are",
+          "[slow]") {
   Slide of;
   of.integrator = GENERATE(Integrator::implicitSdirk, Integrator::backwardEuler, Integrator::explicitVerlet);
   of.friction = GENERATE(0.0, 0.95) * std::tan(of.degrees * std::numbers::pi / 180.0);

@@ -93,13 +93,15 @@ void checkTargets(const std::string &name, double stiffness, double most, double
 
 }  // namespace
 
-TEST_CASE("the inside of a held beam is found within 2 mm and a quarter of the error without deformation", "[match]") {
+TEST_CASE("the inside of a held beam is found within 2 mm and a quarter of the error without deformation",
+          "[match][slow]") {
   checkTargets("beam", 2.0, 2e-3, 0.25);
   checkTargets("beam", 0.5, 2e-3, 0.25);
 }
 
 // That error is 12 to 20 mm, under loads of which some are on the side that is not seen.
-TEST_CASE("the inside of the shipped organ is found within 28 per cent of the error without deformation", "[match]") {
+TEST_CASE("the inside of the shipped organ is found within 28 per cent of the error without deformation",
+          "[match][slow]") {
   checkTargets("organ", 2.0, 5e-3, 0.28);
 }
 
@@ -135,7 +137,7 @@ TEST_CASE("Errors of matches with a given and with an unknown position", "[.erro
   }
 }
 
-TEST_CASE("the forces found hold the body in the shape found", "[match]") {
+TEST_CASE("the forces found hold the body in the shape found", "[match][slow]") {
   const Organ organ = organNamed("beam");
   SurfaceMatch match = matchFor(organ, 2.0);
   const Truth truth = truthOf(organ, 1, kPoints, kNoise);
@@ -159,7 +161,7 @@ TEST_CASE("the forces found hold the body in the shape found", "[match]") {
   CHECK(shapes::largest(result.displacements) > 5e-3);
 }
 
-TEST_CASE("a match has the same bits for any threads, and a next frame starts from it", "[match]") {
+TEST_CASE("a match has the same bits for any threads, and a next frame starts from it", "[match][slow]") {
   const Organ organ = organNamed("beam");
   const Truth truth = truthOf(organ, 3, kPoints, kNoise);
   c3de::ThreadPool pool(3);
@@ -181,7 +183,7 @@ TEST_CASE("a match has the same bits for any threads, and a next frame starts fr
   CHECK(next < fresh);
 }
 
-TEST_CASE("false points get no weight and hardly change a match", "[match]") {
+TEST_CASE("false points get no weight and hardly change a match", "[match][slow]") {
   const Organ organ = organNamed("beam");
   SurfaceMatch match = matchFor(organ, 2.0);
   Truth truth = truthOf(organ, 1, kPoints, kNoise);
