@@ -17,7 +17,7 @@ sed -e 's/#.*//' -e '/^ *$/d' "$root"/tools/debian-packages*.txt >"$state/source
 required() { sed -e 's/#.*//' -e '/^ *$/d' "$root/tools/debian-packages.txt"; }
 
 # PATH holds the stand-ins and what scripts need of the system, nothing else.
-for tool in awk bash basename cat chmod cp date dirname env false find grep head kill ln ls mkdir mktemp ninja nproc paste printf pwd \
+for tool in awk tee bash basename cat chmod cp date dirname env false find grep head kill ln ls mkdir mktemp ninja nproc paste printf pwd \
             rm sed seq setsid sh sleep sort tail touch tr true wc; do
   path=$(type -P "$tool") && ln -s "$path" "$place/bin/$tool"
 done
@@ -292,6 +292,15 @@ case $machine in
     called 'cmake --preset release -DC3DE_BUILD_TESTS=ON'
     called 'cmake --build build/release$'
     called 'ctest .*-R core'
+    ;;
+  check_stops_in_time)
+    cp "$state/sources" "$state/installed"
+    launch check --minutes 5 -R core
+    ends_with_status 0
+    called 'ctest .*--stop-time [0-9:]* -R core'
+    launch check --minutes soon
+    ends_with_status 1
+    says "--minutes is 'soon'; accepted: a whole number"
     ;;
   check_all_adds_slow_tests)
     cp "$state/sources" "$state/installed"
