@@ -95,6 +95,14 @@ EOF
 stand_in ctest <<EOF
 #!$(type -P bash)
 echo "ctest \$*" >>"$state/log"
+if [ -f "$state/stopped" ]; then
+  mkdir -p Testing/Temporary
+  printf '%s\n' '1/9 Test #1: a bar ......   Passed    0.10 sec' 'The stop time has been passed. Stopping all tests.' >&2
+  [ -s "$state/stopped" ] || exit 0
+  cp "$state/stopped" Testing/Temporary/LastTestsFailed.log
+  printf '%s\n' '2/9 Test #2: a beam ......***Timeout  14.71 sec' '3/9 Test #3: a plate ....***Timeout 600.02 sec' >&2
+  exit 8
+fi
 [ -f "$state/failing_test" ] || exit 0
 mkdir -p Testing/Temporary test-output/validation
 cp "$state/failing_test" Testing/Temporary/LastTestsFailed.log
@@ -298,6 +306,19 @@ case $machine in
     launch check --minutes 5 -R core
     ends_with_status 0
     called 'ctest .*--stop-time [0-9:]* -R core'
+    : >"$state/stopped"
+    launch check --all --minutes 5
+    ends_with_status 0
+    grep -qF 'because the 5 minutes were over: 8.' "$place/out" || fail "eight tests were not run"
+    echo '2:a beam' >"$state/stopped"
+    launch check --minutes 5 --all
+    ends_with_status 0
+    grep -qF 'because the 5 minutes were over: 7.' "$place/out" || fail "six tests were not run, and one was cut off"
+    echo '3:a plate' >>"$state/stopped"
+    launch check --minutes 5
+    ends_with_status 8
+    grep -qx '  a plate' "$place/out" && ! grep -qx '  a beam' "$place/out" || fail "the test that hangs failed, not the other"
+    rm "$state/stopped"
     launch check --minutes soon
     ends_with_status 1
     says "--minutes is 'soon'; accepted: a whole number"

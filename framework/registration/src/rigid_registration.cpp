@@ -400,7 +400,8 @@ Expected<void> Registration::judgeMirrored(const Search &search) {
   if (!found) return tl::unexpected(found.error());
   MovingPoints plain = input_.points;
   plain.pairs.clear();
-  // Both with the same limit, so that outliers count equally; many of them hide a difference that the nearer half shows.
+  // Both with the same limit, so that outliers count equally. Many of them hide a difference that the nearer half
+  // shows.
   const double limit = std::max(search.limit_mm(), other.limit_mm());
   const double own = std::sqrt(truncatedCost(target_, plain, best_, limit, Feet::exact));
   const double its = std::sqrt(truncatedCost(target_, mirror, found->front().bodyFromMeasured, limit, Feet::exact));

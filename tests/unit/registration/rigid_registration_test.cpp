@@ -65,7 +65,8 @@ TEST_CASE("A quarter of a surface with noise is found from any position") {
     const RigidRegistration out = registered(body, measure(body, how, truth));
     CHECK(out.verdict == RegistrationVerdict::found);
     CHECK(out.candidates.size() == 1);
-    // The motion is known better than a point: 500 of them with 1 mm determine 6 unknowns. What was not seen moves more.
+    // The motion is known better than a point: 500 of them with 1 mm determine 6 unknowns. What was not seen
+    // moves more.
     CHECK(errorOf(body, out.measuredFromBody, truth) < 5.0);
     CHECK_THAT(out.after.rms_mm, WithinAbs(1.0, 0.15));
     CHECK(out.after.inlierShare > 0.97);
