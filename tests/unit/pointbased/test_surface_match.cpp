@@ -12,6 +12,7 @@
 #include "matching/load_patterns.h"
 #include "matching/match_springs.h"
 #include "matching/skin_distance.h"
+#include "matching/warped_response.h"
 #include "pointbased/integrators.h"
 #include "support/catch.h"
 
@@ -100,9 +101,30 @@ TEST_CASE("the inside of a held beam is found within 2 mm and a quarter of the e
 }
 
 // That error is 12 to 20 mm, under loads of which some are on the side that is not seen.
-TEST_CASE("the inside of the shipped organ is found within 28 per cent of the error without deformation",
-          "[match][slow]") {
-  checkTargets("organ", 2.0, 5e-3, 0.28);
+TEST_CASE("the inside of the shipped organ is found within a fifth of the error without deformation", "[match][slow]") {
+  checkTargets("organ", 2.0, 4e-3, 0.2);
+  checkTargets("organ", 0.5, 4e-3, 0.2);
+}
+
+// The best rigid motion of the seen part leaves 20 mm inside.
+TEST_CASE("with an unknown position a quarter of the error remains, and less than 1.5 times the expected one",
+          "[match]") {
+  const Organ organ = organNamed("organ");
+  SurfaceMatch match = matchFor(organ, 2.0);
+  for (const int load : {0, 3}) {
+    const Truth truth = truthOf(organ, load, kPoints, kNoise);
+    SurfaceMatchSettings settings;
+    settings.noise = kNoise;
+    match.reset();
+    const SurfaceMatchResult result = found(match, truth, settings);
+    const double rigid = meanOf(rigidErrorsOf(truth, result)), error = meanOf(errorsOf(organ, truth, result));
+    const Calibration of = calibrationOf(organ, truth, result);
+    CAPTURE(load, rigid, error, of.expected, of.below, result.distance, result.iterations);
+    CHECK(rigid > 15e-3);
+    CHECK(error < 0.25 * rigid);
+    CHECK(of.below > 0.9);
+    CHECK(result.hasConverged);
+  }
 }
 
 // Prints the tables of docs/theory/inverse.md: test_inverse "[.errors]"
@@ -269,6 +291,64 @@ TEST_CASE("the closest point of a skin does not depend on the guess", "[match]")
   }
 }
 
+TEST_CASE("a linear response becomes a large deformation without stretch by rotation", "[match]") {
+  // A bar that is bent into an arc of 1.5 rad by the linear response of pure bending.
+  Organ bar = organNamed("beam");
+  const auto body = bodyOf(bar, 1.0);
+  const RestState &rest = body->rest();
+  detail::WarpedResponse warped(*body);
+  constexpr double angle = 1.5, length = 0.16;
+  const double curvature = angle / length;
+  std::vector<Vec3> v, u(rest.phyxelCount());
+  double left = 1.0, middle = 0.0;
+  for (const Vec3 &X : rest.positions) {
+    left = std::min(left, X[0]);
+    middle += X[2] / static_cast<double>(rest.phyxelCount());
+  }
+  for (const Vec3 &X : rest.positions) {
+    const double x = X[0] - left, z = X[2] - middle;
+    v.emplace_back(-curvature * x * z, 0.0, 0.5 * curvature * x * x);
+  }
+  warped.deform(v, u, serialFor());
+  double most = 0.0;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double x = rest.positions[i][0] - left, z = rest.positions[i][2] - middle, turn = curvature * x;
+    const Vec3 arc((1.0 / curvature - z) * std::sin(turn) - x, 0.0,
+                   (1.0 / curvature) - (1.0 / curvature - z) * std::cos(turn) - z);
+    most = std::max(most, (u[i] - arc).norm());
+  }
+  // The linear response itself is off by 60 mm at the end.
+  CAPTURE(most);
+  CHECK(most < 0.02 * length);
+
+  // Derivatives are exact where the change of the strain commutes with it, here within a few per cent.
+  std::vector<Vec3> dv, forward = v, backward = v, above(u), below(u);
+  constexpr double step = 1e-4;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const Vec3 &X = rest.positions[i];
+    dv.emplace_back(X[1] * (X[0] - left), 0.3 * (X[0] - left) * (X[0] - left), X[2] * (X[0] - left));
+    forward[i] += step * dv[i];
+    backward[i] -= step * dv[i];
+  }
+  Eigen::MatrixXf right = Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(v.size()), 3);
+  warped.addDerivative(dv, right);
+  warped.deform(forward, above, serialFor());
+  warped.deform(backward, below, serialFor());
+  double off = 0.0, all = 0.0;
+  detail::WarpedResponse::Columns derivative = detail::WarpedResponse::Columns::Zero(right.rows(), 8);
+  derivative.leftCols(3) = right.cast<double>();
+  warped.solve(derivative);
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const double difference = (above[i][c] - below[i][c]) / (2.0 * step);
+      off += std::pow(derivative(static_cast<Eigen::Index>(i), c) - difference, 2);
+      all += difference * difference;
+    }
+  }
+  CAPTURE(std::sqrt(off / all));
+  CHECK(std::sqrt(off / all) < 0.03);
+}
+
 TEST_CASE("loads are estimated as their prior and the measurements say", "[match]") {
   // One load, measured directly and often; a motion that the second half of the measurements shows alone.
   constexpr Eigen::Index n = 400;
@@ -282,15 +362,16 @@ TEST_CASE("loads are estimated as their prior and the measurements say", "[match
   shapes::Random random{4};
   rows.d = load * rows.A.col(0) + shift * rows.C.col(3);
   for (Eigen::Index i = 0; i < n; ++i) rows.d[i] += sigma * std::sqrt(3.0) * random.vector()[0];
-  const detail::LoadEstimate found = detail::estimateLoads(rows, Eigen::VectorXd::Ones(6), 1e-3, 1e-1);
+  const detail::LoadEstimate found =
+      detail::estimateLoads(rows, Eigen::VectorXd::Ones(6), 1e-3, 1e-1, detail::LoadSize::mean);
   const double expected = sigma * std::sqrt(4.0 / n);  // difference of two means
   CHECK(std::abs(found.loads[0] - load) < 4.0 * expected);
   CHECK(std::abs(found.motion[3] - shift) < 4.0 * expected);
   CHECK(std::abs(std::sqrt(found.covariance(0, 0)) / expected - 1.0) < 0.05);
   // Nothing was measured of the second load: it keeps its prior.
   CHECK(std::abs(found.loads[1]) < 1e-12);
-  CHECK(std::abs(found.covariance(1, 1) / found.priorVariance - 1.0) < 1e-9);
-  CHECK(std::sqrt(found.priorVariance) > 0.3 * load);
+  CHECK(std::abs(found.covariance(1, 1) / found.variance - 1.0) < 1e-9);
+  CHECK(std::sqrt(found.variance) > 0.3 * load);
 }
 
 TEST_CASE("uniform stresses have no resultant, and a body force is uniform", "[match]") {

@@ -82,7 +82,7 @@ Section deformationSection(const ElasticMatch &elastic) {
   out.rows.push_back({"Points used", fmt::format("{:.0f} %", 100.0 * body.usedPart)});
   out.rows.push_back({"Forces", fmt::format("{:.3g} N, sum of magnitudes", body.force_N)});
   if (!body.error) {
-    out.rows.push_back({"Expected error", "not known: the equilibrium is not stable"});
+    out.rows.push_back({"Expected error", "not known"});
     return out;
   }
   out.rows.push_back({"Expected error", fmt::format("{}{:.2g} mm rms, largest {:.2g}, without errors of the model",

@@ -130,12 +130,11 @@ std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
                     "explains; the noise may be larger, or they may be of another body",
                     100.0 * elastic.body->usedPart));
   if (const auto &error = elastic.body->error; error && error->isLowerBound())
-    out.push_back(fmt::format(
-        "the points hardly determine {:.0f} % of the body, so that its error may be several times the expected one; "
-        "measure more of its surface or landmarks near its supports, or give its position",
-        100.0 * error->unknownPart));
-  if (!elastic.body->error)
-    out.push_back("the error of the deformation is not known, because its equilibrium is not stable; do not trust it");
+    out.push_back(
+        fmt::format("the points hardly determine {:.0f} % of the body, and its expected error is a lower bound; "
+                    "measure more of its surface or landmarks near its supports, or give its position",
+                    100.0 * error->unknownPart));
+  if (!elastic.body->error) out.push_back("the error of the deformation is not known; do not trust it");
   return out;
 }
 

@@ -35,7 +35,7 @@ struct BodyMatch {
   double before_mm = 0.0, rigid_mm = 0.0, after_mm = 0.0;
   double usedPart = 0.0;  ///< 0 … 1: of the points; the others count as false
   double force_N = 0.0;   ///< sum of the magnitudes of the forces that were found
-  /// Expected, without errors of the model; none: the equilibrium is not stable, so that they are not known
+  /// Expected, without errors of the model; none: the simulator does not estimate them
   struct ExpectedError {
     double rms_mm = 0.0, largest_mm = 0.0;
     double unknownPart = 0.0;  ///< 0 … 1: of the body, which the points hardly determine

@@ -47,7 +47,7 @@ struct SurfaceMatchSettings {
   bool isMotionKnown = false;      ///< `start` is exact and remains
   double largestAngle_deg = 75.0;  ///< 0 … 180: between the normals of a point and of the skin near it
   int maxIterations = 40;          ///< >= 1, of the loads, and as many of the springs
-  /// Whether expectedErrors and isUnknown are computed. Where springs act, they cost 84 linear solves with the tangent.
+  /// Whether expectedErrors and isUnknown are computed.
   bool findsExpectedErrors = true;
   const StopRequest *stop = nullptr;
   /// Called in each iteration on the calling thread; false: cancelled.
@@ -63,9 +63,9 @@ struct SurfaceMatchResult {
   std::vector<double> weights;         ///< [points] 0 … 1: 0: an outlier
   std::vector<double> landmarkErrors;  ///< [landmarks] m
   double distanceAtStart = 0.0, distanceRigid = 0.0, distance = 0.0;  ///< m, root mean square by robust weights
-  /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion
-  /// and the loads that are expected a priori; errors of the material are not included. Empty: not requested, or the
-  /// equilibrium is not stable.
+  /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion,
+  /// the loads that are expected a priori, and what springs have changed; errors of the material are not included.
+  /// Empty: not requested.
   std::vector<double> expectedErrors;
   std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement hardly determines it
   double usedPart = 0.0;                ///< part of the points with a weight above a half
@@ -77,16 +77,16 @@ struct SurfaceMatchResult {
 /// The inverse problem of a partly seen surface: finds loads f and the rigid motion (R, t) after which the skin of the
 /// body in equilibrium meets measured points and landmarks.
 ///
-///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²),
-///     u in equilibrium with Σ q_p B_p
+///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²),   u the response to Σ q_p B_p
 ///
 /// The loads B_p are smooth tractions around sites of the skin, a uniform body force, and the tractions of uniform
-/// stresses. Their size s is unknown; results are means over it by the marginal likelihood, so that the size of Young's
-/// modulus cancels. Amplitudes q and motion follow together from a Gauss-Newton step. Closest points, normals and the
-/// weights w (Huber's, in the end Tukey's) are found anew in each iteration.
+/// stresses. They rotate with the body, so that u is a large deformation: the shape whose gradients are the exponentials
+/// of the rotations and strains of the linear response. Their size s is unknown and follows from the marginal
+/// likelihood, so that the size of Young's modulus cancels. Amplitudes q and motion follow together from Gauss-Newton
+/// steps. Closest points, normals and the weights w (Huber's, in the end Tukey's) are found anew in each iteration.
 ///
-/// Where smooth loads leave distances above the noise, springs between points and skin are added. Their stiffness τ/σ²
-/// increases until the distances are those of the noise. They also replace the loads if these have no equilibrium.
+/// The forces found hold the shape in equilibrium. Where smooth loads leave distances above the noise, springs between
+/// points and skin are added. Their stiffness τ/σ² increases until the distances are those of the noise.
 ///
 /// Limitation: if the motion is unknown, only the deformation of the seen part is measured. That of other parts is
 /// expected from it and has large expected errors. If a tracked frame or bone determines the motion, pass it.
@@ -95,7 +95,8 @@ struct SurfaceMatchResult {
 /// @threads one at a time; bitwise identical for any number behind parallelFor
 /// @source  MacKay, Bayesian interpolation, Neural Computation 4, 1992 (size of the loads); Morozov, Methods for
 ///          Solving Incorrectly Posed Problems, 1984 (discrepancy principle); Huber, Robust Statistics, 1981;
-///          Tarantola, Inverse Problem Theory, 2005, ch. 3 (covariance of the result)
+///          Tarantola, Inverse Problem Theory, 2005, ch. 3 (covariance of the result); Huang et al., IEEE TVCG 17, 2011
+///          (rotation-strain coordinates)
 class SurfaceMatch {
  public:
   /// Errors: no skin; a foundation that validate() refuses; nothing holds the body (a fix, or a foundation with both
@@ -107,9 +108,10 @@ class SurfaceMatch {
   SurfaceMatch(SurfaceMatch &&) noexcept;
   SurfaceMatch &operator=(SurfaceMatch &&) noexcept;
 
-  /// Starts from the displacements and the τ of the previous match, if there was one (frames of a sequence).
+  /// Starts from the loads and the τ of the previous match, if there was one (frames of a sequence).
   /// Errors: a position, normal or setting that is not finite or out of range, with its index and value; fewer than
-  /// three points and landmarks together; no point that faces the skin; no equilibrium; "cancelled".
+  /// three points and landmarks together; no point that faces the skin; an unstable equilibrium without further forces;
+  /// "cancelled".
   [[nodiscard]] Result<SurfaceMatchResult> match(std::span<const MatchPoint> points,
                                                  std::span<const MatchLandmark> landmarks,
                                                  const SurfaceMatchSettings &settings);

@@ -37,7 +37,7 @@ Scales scalesOf(const Eigen::VectorXd &lambda, const Eigen::VectorXd &b, double 
 }  // namespace
 
 LoadEstimate estimateLoads(const LinearMeasurements &from, const Eigen::VectorXd &motionPrior, double smallest,
-                           double largest) {
+                           double largest, LoadSize size) {
   const Eigen::MatrixXd WA = from.weights.asDiagonal() * from.A;
   Eigen::MatrixXd normal = from.A.transpose() * WA;
   Eigen::VectorXd right = WA.transpose() * from.d;
@@ -67,19 +67,22 @@ LoadEstimate estimateLoads(const LinearMeasurements &from, const Eigen::VectorXd
   const Scales scales = scalesOf(lambda, b, least, std::max(least, most));
 
   const Eigen::Index n = lambda.size();
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(n), variance = Eigen::VectorXd::Zero(n);
-  std::vector<Eigen::VectorXd> means;
+  const auto posterior = [&](double square) {
+    return Eigen::VectorXd((square / (1.0 + square * lambda.array())).matrix());  // variances of the modes
+  };
+  double logarithm = 0.0;
   for (std::size_t k = 0; k < scales.squares.size(); ++k) {
-    const double square = scales.squares[k], p = scales.probabilities[k];
-    const Eigen::VectorXd own = square / (1.0 + square * lambda.array());
-    means.emplace_back(own.cwiseProduct(b));
-    mean += p * means.back();
-    variance += p * own;
-    out.priorVariance += p * square;
+    out.variance += scales.probabilities[k] * scales.squares[k];
+    logarithm += scales.probabilities[k] * std::log(scales.squares[k]);
   }
-  Eigen::MatrixXd covariance = variance.asDiagonal();
-  for (std::size_t k = 0; k < means.size(); ++k)
-    covariance += scales.probabilities[k] * (means[k] - mean) * (means[k] - mean).transpose();
+  if (size == LoadSize::geometricMean) out.variance = std::exp(logarithm);
+  const Eigen::VectorXd mean = posterior(out.variance).cwiseProduct(b);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t k = 0; k < scales.squares.size(); ++k) {
+    const Eigen::VectorXd own = posterior(scales.squares[k]), off = own.cwiseProduct(b) - mean;
+    covariance += scales.probabilities[k] * off * off.transpose();
+    covariance.diagonal() += scales.probabilities[k] * own;
+  }
   out.loads = V * mean;
   out.covariance = V * covariance * V.transpose();
   if (from.C.cols() > 0) out.motion = alone + out.motionByLoads * out.loads;

@@ -14,17 +14,21 @@ struct LinearMeasurements {
   Eigen::VectorXd weights;  ///< [rows] 1/m², inverse variances
 };
 
+/// Mean of s² by its probability. The geometric mean is smaller: a cautious choice while the measurements are linearised
+/// far from their final shape.
+enum class LoadSize { mean, geometricMean };
+
 struct LoadEstimate {
   Eigen::VectorXd loads;             ///< Pa
   Eigen::VectorXd motion;            ///< [6], or empty
   Eigen::MatrixXd covariance;        ///< of the loads, Pa²
   Eigen::MatrixXd motionByLoads;     ///< [6, loads]: change of the motion with the loads
   Eigen::MatrixXd motionCovariance;  ///< [6, 6], for given loads
-  double priorVariance = 0.0;        ///< Pa², of a load before the measurement
+  double variance = 0.0;             ///< Pa², of a load before the measurement, s²
 };
 
-/// Normal prior q ~ N(0, s² I), with s unknown between bounds and its logarithm uniform: results are means over s by
-/// the marginal likelihood
+/// Normal prior q ~ N(0, s² I), with s unknown between bounds and its logarithm uniform. Loads and motion are those for
+/// a mean of s² by the marginal likelihood, and covariances are means over s by it:
 ///
 ///     ln p(d | s) = -½ Σ ln(1 + s² λ_j) + ½ Σ s² b_j² / (1 + s² λ_j) + const
 ///
@@ -34,6 +38,6 @@ struct LoadEstimate {
 /// @source  MacKay, Bayesian interpolation, Neural Computation 4, 1992 (evidence); Tarantola, Inverse Problem Theory,
 ///          2005, ch. 3
 [[nodiscard]] LoadEstimate estimateLoads(const LinearMeasurements &from, const Eigen::VectorXd &motionPrior,
-                                         double smallest, double largest);
+                                         double smallest, double largest, LoadSize size);
 
 }  // namespace pointbased::detail

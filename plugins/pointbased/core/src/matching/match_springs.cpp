@@ -71,18 +71,13 @@ void MatchSprings::addTriplets(std::vector<Eigen::Triplet<double>> &out) const {
                              weights_[e] * weights_[f] * stiffness_[i](a, b));
 }
 
-void MatchSprings::ofMotion(std::span<const Vec3> v, Motion &gradient, Eigen::Matrix<double, 6, 6> &hessian,
-                            std::array<std::vector<Vec3>, 6> &mixed) const {
+void MatchSprings::ofMotion(std::span<const Vec3> v, Motion &gradient, Eigen::Matrix<double, 6, 6> &hessian) const {
   gradient.setZero();
   hessian.setZero();
-  for (std::vector<Vec3> &field : mixed) field.assign(v.size(), Vec3::Zero());
   for (std::size_t i = 0; i < count(); ++i) {
     const Columns AC = stiffness_[i] * columns_[i];
     gradient -= AC.transpose() * residual(i, v);
     hessian += columns_[i].transpose() * AC;
-    for (Index e = rows_.offsets[i]; e < rows_.offsets[i + 1]; ++e)
-      for (Eigen::Index a = 0; a < 6; ++a)
-        mixed[static_cast<std::size_t>(a)][rows_.indices[e]] += weights_[e] * AC.col(a);
   }
 }
 

@@ -170,9 +170,8 @@ void MatchTerms::springs(double stiffness, MatchSprings &out) const {
 }
 
 void MatchTerms::linearise(double scale, LinearMeasurements &out) const {
-  const auto rows = static_cast<Eigen::Index>(points_.size() + 3 * landmarks_.size());
-  out.d = out.weights = Eigen::VectorXd::Zero(rows);
-  out.C = Eigen::MatrixXd::Zero(rows, settings_.isMotionKnown ? 0 : 6);
+  out.d = out.weights = Eigen::VectorXd::Zero(rows());
+  out.C = Eigen::MatrixXd::Zero(rows(), settings_.isMotionKnown ? 0 : 6);
   const bool hasMotion = !settings_.isMotionKnown;
   for (std::size_t i = 0; i < count(); ++i) {
     const double sigma = scale * noiseOf(i), weight = weights_[i] / (sigma * sigma);
@@ -193,24 +192,33 @@ void MatchTerms::linearise(double scale, LinearMeasurements &out) const {
   }
 }
 
-void MatchTerms::observe(std::span<const Vec3> displacements, Eigen::Ref<Eigen::VectorXd> out) const {
-  const auto at = [&](const Interpolation &binding, std::size_t p) {
-    Vec3 sum = Vec3::Zero();
-    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
-      sum += binding.weights[e] * displacements[binding.phyxels.indices[e]];
-    return sum;
-  };
+std::vector<Index> MatchTerms::vertices() const {
+  std::vector<Index> out;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if (weights_[i] > 0.0)
+      out.insert(out.end(), rest_.skin[closest_[i].triangle].begin(), rest_.skin[closest_[i].triangle].end());
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+void MatchTerms::observe(std::span<const Index> vertices, const Eigen::Ref<const Eigen::MatrixXd> &displacements,
+                         Eigen::Ref<Eigen::VectorXd> out) const {
   out.setZero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (!(weights_[i] > 0.0)) continue;
+    const ClosestSkinPoint &at = closest_[i];
     Vec3 moved = Vec3::Zero();
-    for (std::size_t corner = 0; corner < 3; ++corner)
-      moved += closest_[i].weights[static_cast<Eigen::Index>(corner)] *
-               at(binding_, rest_.skin[closest_[i].triangle][corner]);
-    out[static_cast<Eigen::Index>(i)] = closest_[i].normal.dot(moved);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const auto k =
+          std::lower_bound(vertices.begin(), vertices.end(), rest_.skin[at.triangle][corner]) - vertices.begin();
+      moved += at.weights[static_cast<Eigen::Index>(corner)] * displacements.row(k).transpose();
+    }
+    out[static_cast<Eigen::Index>(i)] = at.normal.dot(moved);
   }
   for (std::size_t l = 0; l < landmarks_.size(); ++l)
-    out.segment<3>(static_cast<Eigen::Index>(points_.size() + 3 * l)) = at(bound_, l);
+    out.segment<3>(static_cast<Eigen::Index>(points_.size() + 3 * l)) =
+        displacements.row(static_cast<Eigen::Index>(vertices.size() + l)).transpose();
 }
 
 }  // namespace pointbased::detail

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/number_text.h"
 #include "matching/load_match.h"
@@ -25,19 +26,19 @@ using detail::RobustLoss;
 using Vector6 = MatchSprings::Motion;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kLooseTolerance = 1e-3;                           // spacings, of solutions before the last one
-constexpr double kMotionTolerance = 1e-4, kErrorTolerance = 1e-2;  // of linear solves
-constexpr int kMaxLinearIterations = 2000;
+constexpr double kLooseTolerance = 1e-3;  // spacings, of solutions before the last one
 constexpr int kRigidIterations = 60;
 constexpr double kSmallChange = 0.1;     // of the noise: change of the distances that ends the match
 constexpr double kSettled = 0.01;        // relative change of the distance that ends it as well, twice in a row
 constexpr double kAsNoise = 1.1;         // of the noise: distances that are explained
 constexpr double kFirstStiffness = 0.1;  // of all springs together, over E times the size of the body
 constexpr double kLastStiffness = 200.0, kStiffer = 3.0;
-constexpr double kNear = 2.0, kALittleStiffer = 1.6;        // of the noise: distances from which on it increases slowly
-constexpr double kTurnSpread = 0.5, kShiftSpread = 0.2;     // rad, m: motions that are expected of a body at the start
-constexpr double kLargestTurn = 0.1, kLargestShift = 0.02;  // rad, m, per iteration
-constexpr std::size_t kSites = 14;                          // at which expected errors are computed
+constexpr double kNear = 2.0, kALittleStiffer = 1.6;     // of the noise: distances from which on it increases slowly
+constexpr double kTurnSpread = 0.5, kShiftSpread = 0.2;  // rad, m: motions that are expected of a body at the start
+constexpr double kLongWave = 0.5;                        // of the size: deformations that the first forces found hold
+constexpr double kSettledShift = 0.05;  // of the noise, root mean square: shape in equilibrium from the shape matched
+constexpr double kStifferHold = 6.0;    // per try
+constexpr int kHoldTries = 12;
 constexpr double kUnknown = 0.7;  // of the spread without measurements, beyond which nothing is known
 
 Constitution elasticOf(Constitution constitution) {
@@ -91,9 +92,8 @@ struct SurfaceMatch::Impl {
   Interpolation skin;  // binding of its vertices
   StageClock clock{stageNames()};
   NewtonSolver newton;
-  detail::TangentSolver tangent;
   double stiffness = 0.0;  // N/m, of the springs of the last match; 0: none
-  std::optional<detail::LoadPatterns> patterns;
+  std::unique_ptr<detail::LoadResponse> response;
   Eigen::VectorXd loads;  // Pa, amplitudes of the patterns
 
   [[nodiscard]] Environment environment(const StopRequest *stop) {
@@ -103,11 +103,14 @@ struct SurfaceMatch::Impl {
     out.stop = stop;
     return out;
   }
-  void setLoads(const Eigen::VectorXd &to) {
-    loads = to;
-    std::vector<Vec3> forces;
-    if (!loads.isZero(0.0)) forces = patterns->sum(loads);
-    body->swapExternalForces(forces);
+  // Before the first match, with the body in equilibrium without further forces.
+  [[nodiscard]] Result<void> findResponse(const StopRequest *stop) {
+    if (response) return {};
+    auto found = detail::LoadResponse::create(*body, detail::LoadPatterns(body->rest()), environment(stop));
+    if (!found) return tl::unexpected("body '" + body->name() + "': " + found.error());
+    response = std::move(*found);
+    loads = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(response->count()));
+    return {};
   }
   [[nodiscard]] Result<void> findEquilibrium(const StopRequest *stop) {
     body->quasiStatic = true;
@@ -133,6 +136,10 @@ class Iterations {
     for (const double v : of.body->rest().volumes) volume += v;
     for (const Material &m : of.body->constitution().materials) modulus = std::max(modulus, m.youngsModulus);
     unit_ = modulus * std::cbrt(volume) / static_cast<double>(all_);
+    double mass = 0.0;
+    for (const double m : of.body->masses()) mass += m;
+    const double waveNumber = 2.0 * std::numbers::pi / (kLongWave * std::cbrt(volume));
+    firstHold_ = modulus * volume / mass * waveNumber * waveNumber;
   }
 
   Result<SurfaceMatchResult> run() {
@@ -147,16 +154,23 @@ class Iterations {
     out_.distanceRigid = terms_.distance();
     out_.rigid = motion_;
     if (auto done = fitLoads(); !done) return tl::unexpected(done.error());
-    if (isExplained_) return finish();
+    if (terms_.misfit() <= kAsNoise) return finish();
     stiffness_ = isFirst ? kFirstStiffness * unit_ : of_.stiffness;
     isStiff_ = !isFirst;
-    out_.hasConverged = false;
-    for (int k = 1; k <= settings_.maxIterations && !out_.hasConverged; ++k) {
+    bool hasConverged = false;
+    for (int k = 1; k <= settings_.maxIterations && !hasConverged; ++k) {
       ++out_.iterations;
       if (settings_.progress && !settings_.progress({k, settings_.maxIterations, terms_.distance(), u(), motion_}))
         return tl::unexpected(std::string("cancelled"));
-      if (auto done = iterate(); !done) return tl::unexpected(done.error());
+      auto done = iterate();
+      if (!done) {
+        u() = byLoads_;
+        stiffness_ = 0.0;
+        break;
+      }
+      hasConverged = *done;
     }
+    out_.hasConverged = hasConverged;
     of_.stiffness = stiffness_;
     return finish();
   }
@@ -167,29 +181,49 @@ class Iterations {
 
   // Smooth loads and the motion. Springs follow only where these do not explain the measurement.
   Result<void> fitLoads() {
-    const std::vector<Vec3> before = u();
-    const Eigen::VectorXd loadsBefore = of_.loads;
-    const MatchMotion motionBefore = motion_;
-    detail::LoadMatch loads(*of_.body, of_.newton, environment_, *of_.patterns, terms_, settings_);
-    if (auto done = loads.run(of_.loads, motion_); !done) {
-      if (done.error() == "cancelled") return done;
-      u() = before;
-      of_.setLoads(loadsBefore);
-      motion_ = motionBefore;
-      of_.newton.forget();
-      terms_.evaluate(u(), motion_);
-      weigh();
-      return {};
-    }
+    detail::LoadMatch loads(u(), of_.body->rest(), *of_.response, terms_, settings_, of_.parallelFor);
+    if (auto done = loads.run(of_.loads, motion_); !done) return done;
     out_.iterations = loads.iterations();
     out_.hasConverged = loads.hasConverged();
     loss_ = RobustLoss::tukey;
-    hasLoads_ = true;
-    isExplained_ = terms_.misfit() <= kAsNoise;
     if (settings_.findsExpectedErrors) variances_ = loads.variances(of_.loads);
+    hold();
+    byLoads_ = u();
+    terms_.evaluate(u(), motion_);
+    weigh();
     return {};
   }
-  [[nodiscard]] bool isMotionKnown() const { return settings_.isMotionKnown || hasLoads_; }
+
+  // Finds forces that hold the shape: those of soft springs between each phyxel and its place, which let short waves
+  // relax. They become the external forces of the body.
+  void hold() {
+    const std::vector<Vec3> shape = u();
+    std::vector<Vec3> forces(shape.size(), Vec3::Zero()), at;
+    of_.body->swapExternalForces(forces);
+    forces.assign(shape.size(), Vec3::Zero());
+    double stiffness = firstHold_;  // 1/s²
+    for (int k = 0; k < kHoldTries; ++k, stiffness *= kStifferHold) {
+      u() = at = shape;
+      detail::ImplicitStage stage = stage_;
+      stage.holding = stiffness;
+      detail::StageProblem problem(*of_.body, environment_, stage);
+      const NewtonResult solved = of_.newton.solve(problem, at, newtonSettings(0.0));
+      double squared = 0.0;
+      for (std::size_t i = 0; i < at.size(); ++i) squared += (at[i] - shape[i]).squaredNorm();
+      const double shift = std::sqrt(squared / static_cast<double>(at.size()));
+      if (!detail::failureOf(solved).empty() || !(shift < kSettledShift * settings_.noise)) continue;
+      for (std::size_t i = 0; i < at.size(); ++i) forces[i] = stiffness * of_.body->masses()[i] * (shape[i] - at[i]);
+      (void)problem.setState(at);
+      of_.body->swapExternalForces(forces);
+      return;
+    }
+    u() = shape;
+    detail::StageProblem problem(*of_.body, environment_, stage_);
+    (void)problem.setState(shape);
+    problem.gradient(forces);
+    detail::clearPrescribed(problem, forces);
+    of_.body->swapExternalForces(forces);
+  }
 
   static void addPrior(Matrix6 &hessian, double stiffness, double noise) {
     const double scale = stiffness * noise * noise;
@@ -200,12 +234,11 @@ class Iterations {
   // Iterative closest points of the body as it is.
   void alignRigidly() {
     const std::vector<Vec3> none(u().size(), Vec3::Zero());
-    std::array<std::vector<Vec3>, 6> unused;
     for (int k = 0; k < kRigidIterations; ++k) {
       terms_.springs(1.0, springs_);
       Vector6 gradient;
       Matrix6 hessian;
-      springs_.ofMotion(none, gradient, hessian, unused);
+      springs_.ofMotion(none, gradient, hessian);
       addPrior(hessian, 1.0, settings_.noise);
       const Vector6 step = -hessian.ldlt().solve(gradient);
       motion_ = terms_.moved(motion_, step);
@@ -235,100 +268,51 @@ class Iterations {
     return {};
   }
 
-  // One round of closest points.
-  Result<void> iterate() {
+  // One round of closest points, at constant motion. Whether the result has converged.
+  Result<bool> iterate() {
     terms_.springs(stiffness_, springs_);
-    from_ = u();
-    const MatchMotion before = motion_;
+    const std::vector<Vec3> before = from_ = u();
     {
       MatchPotential potential(*of_.body, environment_, stage_, springs_, from_);
-      if (auto done = solve(potential, kLooseTolerance * of_.body->rest().spacing); !done) return done;
-      if (!isMotionKnown())
-        if (auto done = moveBody(potential); !done) return done;
+      if (auto done = solve(potential, kLooseTolerance * of_.body->rest().spacing); !done)
+        return tl::unexpected(done.error());
     }
     terms_.evaluate(u(), motion_);
     weigh();
     const double distance = terms_.distance();
-    const double change = largestChange(before);
     if (!isStiff_) {
       const double misfit = terms_.misfit();
       if (misfit <= kAsNoise || stiffness_ >= kLastStiffness * unit_)
         isStiff_ = true;
       else
         stiffness_ *= misfit > kNear ? kStiffer : kALittleStiffer;
-      return {};
+      return false;
     }
     if (loss_ == RobustLoss::huber) {
       loss_ = RobustLoss::tukey;
       weigh();
-      return {};
+      return false;
     }
+    double change = 0.0;
+    for (std::size_t i = 0; i < before.size(); ++i) change += (u()[i] - before[i]).squaredNorm();
     // Closest points jump between triangles, so that single positions keep changing a little.
     still_ = std::abs(distance - lastDistance_) < kSettled * lastDistance_ ? still_ + 1 : 0;
     lastDistance_ = distance;
-    out_.hasConverged = change < kSmallChange * settings_.noise || still_ >= 2;
-    return {};
-  }
-
-  // m, root mean square over the phyxels.
-  [[nodiscard]] double largestChange(const MatchMotion &before) {
-    double sum = 0.0;
-    const RestState &rest = of_.body->rest();
-    for (std::size_t i = 0; i < from_.size(); ++i) {
-      const Vec3 X = rest.origin + rest.positions[i];
-      sum += (motion_.of(X + u()[i]) - before.of(X + from_[i])).squaredNorm();
-    }
-    return std::sqrt(sum / static_cast<double>(from_.size()));
-  }
-
-  // Newton step of the motion: the energy of the equilibrium as a function of it.
-  Result<void> moveBody(MatchPotential &potential) {
-    Vector6 gradient;
-    Matrix6 hessian;
-    // Under compression the tangent may be indefinite between equilibria; the motion is then updated in the next
-    // iteration.
-    if (auto done = reducedHessian(potential, gradient, hessian); !done) return {};
-    Vector6 step = -hessian.ldlt().solve(gradient);
-    if (!step.allFinite() || gradient.dot(step) > 0.0) return {};
-    const double turn = step.head<3>().norm(), shift = step.tail<3>().norm();
-    step *= std::min({1.0, kLargestTurn / turn, kLargestShift / shift});
-    motion_ = terms_.moved(motion_, step);
-    // The body responds to the motion.
-    for (Eigen::Index a = 0; a < 6; ++a)
-      for (std::size_t i = 0; i < u().size(); ++i) u()[i] -= step[a] * responses_[static_cast<std::size_t>(a)][i];
-    return {};
-  }
-
-  // Schur complement of the motion, and K^-1 d²U/(du dm) as responses_.
-  Result<void> reducedHessian(MatchPotential &potential, Vector6 &gradient, Matrix6 &hessian) {
-    std::array<std::vector<Vec3>, 6> mixed;
-    springs_.ofMotion(potential.since(), gradient, hessian, mixed);
-    for (std::size_t a = 0; a < 6; ++a) {
-      responses_[a].resize(u().size());
-      if (auto done = of_.tangent.solve(potential, mixed[a], responses_[a], kMotionTolerance, kMaxLinearIterations,
-                                        Preconditioner::automatic, settings_.stop);
-          !done)
-        return done;
-    }
-    for (std::size_t a = 0; a < 6; ++a)
-      for (std::size_t b = 0; b < 6; ++b)
-        hessian(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) -= detail::dot(mixed[a], responses_[b]);
-    hessian = 0.5 * (hessian + hessian.transpose()).eval();
-    addPrior(hessian, stiffness_, settings_.noise);
-    return {};
+    return std::sqrt(change / static_cast<double>(before.size())) < kSmallChange * settings_.noise || still_ >= 2;
   }
 
   Result<SurfaceMatchResult> finish() {
-    terms_.springs(stiffness_, springs_);
-    from_ = u();
-    MatchPotential potential(*of_.body, environment_, stage_, springs_, from_);
-    if (auto done = solve(potential, 0.0); !done) return tl::unexpected(done.error());
-    out_.forces.assign(u().size(), Vec3::Zero());
-    springs_.addForces(potential.since(), out_.forces);
     const std::span<const Vec3> loads = of_.body->externalForces();
-    for (std::size_t i = 0; i < loads.size(); ++i) out_.forces[i] += loads[i];
+    out_.forces.assign(loads.begin(), loads.end());
+    if (stiffness_ > 0.0) {
+      terms_.springs(stiffness_, springs_);
+      from_ = u();
+      MatchPotential potential(*of_.body, environment_, stage_, springs_, from_);
+      if (auto done = solve(potential, 0.0); !done) return tl::unexpected(done.error());
+      springs_.addForces(potential.since(), out_.forces);
+    }
+    if (settings_.findsExpectedErrors) findExpectedErrors();
     out_.displacements = u();
-    if (settings_.findsExpectedErrors) findExpectedErrors(potential);
     terms_.evaluate(u(), motion_);
     weigh();
     out_.distance = terms_.distance();
@@ -345,109 +329,13 @@ class Iterations {
     return std::move(out_);
   }
 
-  // Material points that are far from each other. Phyxels would not do: corners of slivers fluctuate alone.
-  [[nodiscard]] Interpolation sites() const {
-    const RestState &rest = of_.body->rest();
-    const std::vector<Vec3> &all = rest.pointCentres.empty() ? rest.positions : rest.pointCentres;
-    std::vector<double> squared(all.size(), std::numeric_limits<double>::infinity());
-    std::vector<Vec3> out;
-    while (out.size() < std::min(kSites, all.size())) {
-      const auto next = static_cast<std::size_t>(std::max_element(squared.begin(), squared.end()) - squared.begin());
-      out.push_back(all[next]);
-      for (std::size_t i = 0; i < all.size(); ++i)
-        squared[i] = std::min(squared[i], (all[i] - all[next]).squaredNorm());
-    }
-    return rest.bind(out, {});
-  }
-  // [sites] of a field of the phyxels.
-  [[nodiscard]] static Vec3 valueAt(const Interpolation &at, std::size_t k, std::span<const Vec3> field) {
-    Vec3 sum = Vec3::Zero();
-    for (Index e = at.phyxels.offsets[k]; e < at.phyxels.offsets[k + 1]; ++e)
-      sum += at.weights[e] * field[at.phyxels.indices[e]];
-    return sum;
-  }
-
-  // Of the loads; of the springs, where these act. None if either is not known.
-  void findExpectedErrors(MatchPotential &potential) {
-    detail::LoadMatch::Variances ofSprings;
-    if (!isExplained_ && !findVariances(potential, ofSprings)) return;
-    if (hasLoads_ && variances_.posterior.empty()) return;
-    const std::size_t n = u().size();
-    variances_.posterior.resize(n, 0.0);
-    variances_.prior.resize(n, 0.0);
-    for (std::size_t i = 0; i < n; ++i) {
-      double error = variances_.posterior[i], before = variances_.prior[i];
-      if (!isExplained_) {
-        error = std::max(error, ofSprings.posterior[i]);
-        before = std::max(before, ofSprings.prior[i]);
-      }
-      const double expected = std::sqrt(error);
+  // What springs have changed is an error of the loads, from which the unseen part is known.
+  void findExpectedErrors() {
+    for (std::size_t i = 0; i < variances_.posterior.size(); ++i) {
+      const double expected = std::sqrt(variances_.posterior[i] + (u()[i] - byLoads_[i]).squaredNorm());
       out_.expectedErrors.push_back(expected);
-      out_.isUnknown.push_back(expected > 2.0 * settings_.noise && expected > kUnknown * std::sqrt(before) ? 1 : 0);
-    }
-  }
-
-  // Covariance τ H^-1 of the joint unknowns, and of the body alone without measurements.
-  Result<void> findVariances(MatchPotential &potential, detail::LoadMatch::Variances &found) {
-    const double temperature = stiffness_ * settings_.noise * settings_.noise;  // J
-    Vector6 unused;
-    Matrix6 hessian = Matrix6::Identity();
-    if (!isMotionKnown())
-      if (auto done = reducedHessian(potential, unused, hessian); !done) return done;
-    const Eigen::LLT<Matrix6> motion(hessian);
-    const MatchSprings none;
-    const std::vector<Vec3> shape = u();
-    const Interpolation at = sites();
-    std::vector<Vec3> right(shape.size()), x(shape.size());
-    const auto variance = [&](MatchPotential &of, detail::TangentSolver &solver) -> Result<std::vector<double>> {
-      std::vector<double> out;
-      for (std::size_t k = 0; k < at.count(); ++k) {
-        double sum = 0.0;
-        for (int c = 0; c < 3; ++c) {
-          std::fill(right.begin(), right.end(), Vec3(Vec3::Zero()));
-          for (Index e = at.phyxels.offsets[k]; e < at.phyxels.offsets[k + 1]; ++e)
-            right[at.phyxels.indices[e]][c] += at.weights[e];
-          auto done = solver.solve(of, right, x, kErrorTolerance, kMaxLinearIterations, Preconditioner::automatic,
-                                   settings_.stop);
-          if (!done) return tl::unexpected(done.error());
-          sum += std::max(0.0, valueAt(at, k, x)[c]);
-        }
-        out.push_back(temperature * sum);
-      }
-      return out;
-    };
-    auto own = variance(potential, of_.tangent);
-    if (!own) return tl::unexpected(own.error());
-    if (!isMotionKnown())
-      for (std::size_t k = 0; k < at.count(); ++k) {
-        MatchSprings::Columns columns = terms_.motionColumns(at.positions[k] + valueAt(at, k, shape));
-        for (std::size_t a = 0; a < 6; ++a) columns.col(static_cast<Eigen::Index>(a)) -= valueAt(at, k, responses_[a]);
-        (*own)[k] += temperature * motion.matrixL().solve(columns.transpose()).squaredNorm();
-      }
-    MatchPotential alone(*of_.body, environment_, stage_, none, from_);
-    (void)alone.setState(shape);
-    detail::TangentSolver fresh;
-    auto spread = variance(alone, fresh);
-    if (!spread) return tl::unexpected(spread.error());
-    interpolate(at, *own, *spread, found);
-    return {};
-  }
-
-  // Between sites, by their distance (Shepard).
-  void interpolate(const Interpolation &at, std::span<const double> own, std::span<const double> spread,
-                   detail::LoadMatch::Variances &found) {
-    const RestState &rest = of_.body->rest();
-    for (const Vec3 &X : rest.positions) {
-      double sum = 0.0, error = 0.0, before = 0.0;
-      for (std::size_t k = 0; k < at.count(); ++k) {
-        const double squared = (X - at.positions[k]).squaredNorm() + 1e-2 * rest.spacing * rest.spacing;
-        const double w = 1.0 / (squared * squared);
-        sum += w;
-        error += w * own[k];
-        before += w * spread[k];
-      }
-      found.posterior.push_back(error / sum);
-      found.prior.push_back(before / sum);
+      out_.isUnknown.push_back(
+          expected > 2.0 * settings_.noise && expected > kUnknown * std::sqrt(variances_.prior[i]) ? 1 : 0);
     }
   }
 
@@ -459,14 +347,13 @@ class Iterations {
   MatchTerms terms_;
   MatchSprings springs_;
   MatchMotion motion_;
-  std::vector<Vec3> from_;                       // m, where the springs were made
-  std::array<std::vector<Vec3>, 6> responses_;   // m per unit of the motion
-  double unit_ = 0.0, stiffness_ = 0.0;          // N/m
-  double lastDistance_ = 0.0;                    // m, of the iteration before
-  int still_ = 0;                                // iterations in which it has hardly changed
-  bool isStiff_ = false;                         // the stiffness has its last value
-  bool hasLoads_ = false, isExplained_ = false;  // loads were found; and they explain the measurement within the noise
-  detail::LoadMatch::Variances variances_;       // of the loads
+  std::vector<Vec3> from_, byLoads_;        // m, where the springs were made; and without these
+  double unit_ = 0.0, stiffness_ = 0.0;     // N/m
+  double firstHold_ = 0.0;                  // 1/s², stiffness over mass
+  double lastDistance_ = 0.0;               // m, of the iteration before
+  int still_ = 0;                           // iterations in which it has hardly changed
+  bool isStiff_ = false;                    // the stiffness has its last value
+  detail::LoadMatch::Variances variances_;  // of the loads
   RobustLoss loss_ = RobustLoss::huber;
   SurfaceMatchResult out_;
 };
@@ -495,8 +382,6 @@ Result<SurfaceMatch> SurfaceMatch::create(std::shared_ptr<const RestState> rest,
   if (!impl->body->held() && !foundation.holds())
     return tl::unexpected(
         std::string("nothing holds the body; a fix or a foundation with normal and tangential stiffness is required"));
-  impl->patterns.emplace(impl->body->rest());
-  impl->loads = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(impl->patterns->count()));
   try {
     if (auto done = impl->findEquilibrium(stop); !done) return tl::unexpected(done.error());
   } catch (const Stopped &) {
@@ -510,10 +395,13 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
                                                const SurfaceMatchSettings &settings) {
   if (std::string why = problemOf(points, landmarks, settings); !why.empty()) return tl::unexpected(std::move(why));
   const std::vector<Vec3> before = impl_->body->state().displacements;
+  const std::span<const Vec3> external = impl_->body->externalForces();
+  std::vector<Vec3> forces(external.begin(), external.end());
   const Eigen::VectorXd loads = impl_->loads;
   const double stiffness = impl_->stiffness;
   std::string why;
   try {
+    if (auto done = impl_->findResponse(settings.stop); !done) return tl::unexpected(done.error());
     auto found = Iterations<Impl>(*impl_, points, landmarks, settings).run();
     if (found) return found;
     why = found.error();
@@ -521,19 +409,20 @@ Result<SurfaceMatchResult> SurfaceMatch::match(std::span<const MatchPoint> point
     why = "cancelled";
   }
   impl_->stiffness = stiffness;
-  impl_->setLoads(loads);
+  if (impl_->response) impl_->loads = loads.size() > 0 ? loads : Eigen::VectorXd::Zero(impl_->loads.size());
+  impl_->body->swapExternalForces(forces);
   impl_->body->state().displacements = before;
   impl_->newton.forget();
-  impl_->tangent.forget();
   return tl::unexpected(std::move(why));
 }
 
 void SurfaceMatch::reset() {
   impl_->stiffness = 0.0;
-  impl_->setLoads(Eigen::VectorXd::Zero(impl_->loads.size()));
+  impl_->loads.setZero();
+  std::vector<Vec3> none;
+  impl_->body->swapExternalForces(none);
   impl_->body->reset();
   impl_->newton.forget();
-  impl_->tangent.forget();
   (void)impl_->findEquilibrium(nullptr);
 }
 

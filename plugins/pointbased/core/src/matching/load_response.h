@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Response of a body to loads that may have deformed it. Private to the core.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "matching/load_patterns.h"
+#include "matching/match_terms.h"
+#include "matching/warped_response.h"
+#include "pointbased/integrators.h"
+
+namespace pointbased::detail {
+
+/// Displacements u(q) for amplitudes q of the patterns of loads: K G_p = B_p once, without loads; then
+/// WarpedResponse of Σ q_p G_p.
+class LoadResponse {
+ public:
+  /// Solves for the responses at the present equilibrium of a body, which must outlive the object.
+  /// Errors: the equilibrium is not stable.
+  [[nodiscard]] static Result<std::unique_ptr<LoadResponse>> create(Body &body, const LoadPatterns &patterns,
+                                                                    const Environment &environment);
+  [[nodiscard]] std::size_t count() const { return linear_.size(); }
+  /// @param u  [phyxels] m, result
+  void deform(const Eigen::VectorXd &amplitudes, std::span<Vec3> u, const ParallelFor &parallelFor);
+  /// m, root mean square over the phyxels of the linear response.
+  [[nodiscard]] double size(const Eigen::VectorXd &amplitudes) const;
+  /// Derivatives of all measurements with respect to the amplitudes at the last shape, [rows, patterns], m/Pa.
+  [[nodiscard]] Eigen::MatrixXd sensitivities(const MatchTerms &terms, const ParallelFor &parallelFor);
+  /// m/Pa, response of a phyxel to a pattern, rotated with it.
+  [[nodiscard]] Vec3 of(std::size_t pattern, std::size_t phyxel) const {
+    return warped_.rotations()[phyxel] * linear_[pattern][phyxel];
+  }
+
+ private:
+  explicit LoadResponse(const Body &body) : warped_(body) {}
+  [[nodiscard]] std::vector<Vec3> sum(const Eigen::VectorXd &amplitudes) const;
+  // L^-1 of the weights of the phyxels of points of a binding.
+  void findColumns(const Interpolation &binding, std::span<const Index> points, std::span<Eigen::VectorXf *> out,
+                   const ParallelFor &parallelFor) const;
+
+  std::vector<std::vector<Vec3>> linear_;  // [patterns][phyxels] m/Pa
+  WarpedResponse warped_;
+  std::map<Index, Eigen::VectorXf> columns_;  // findColumns() of vertices of the skin
+};
+
+}  // namespace pointbased::detail
