@@ -64,8 +64,8 @@ struct SurfaceMatchResult {
   std::vector<double> landmarkErrors;  ///< [landmarks] m
   double distanceAtStart = 0.0, distanceRigid = 0.0, distance = 0.0;  ///< m, root mean square by robust weights
   /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion,
-  /// the loads that are expected a priori, and what springs have changed; errors of the material are not included.
-  /// Empty: not requested.
+  /// the loads that are expected a priori, what springs have changed and what remains unexplained; without errors of the
+  /// material. Empty: not requested.
   std::vector<double> expectedErrors;
   std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement hardly determines it
   double usedPart = 0.0;                ///< part of the points with a weight above a half

@@ -311,11 +311,11 @@ class Iterations {
       if (auto done = solve(potential, 0.0); !done) return tl::unexpected(done.error());
       springs_.addForces(potential.since(), out_.forces);
     }
-    if (settings_.findsExpectedErrors) findExpectedErrors();
     out_.displacements = u();
     terms_.evaluate(u(), motion_);
     weigh();
     out_.distance = terms_.distance();
+    if (settings_.findsExpectedErrors) findExpectedErrors();
     out_.motion = motion_;
     out_.stiffness = stiffness_;
     const Vec3 &origin = of_.body->rest().origin;
@@ -329,10 +329,12 @@ class Iterations {
     return std::move(out_);
   }
 
-  // What springs have changed is an error of the loads, from which the unseen part is known.
+  // What springs have changed is an error of the loads, from which the unseen part is known. So is what neither explains.
   void findExpectedErrors() {
+    const double explained = kAsNoise * settings_.noise;
+    const double unexplained = std::max(0.0, out_.distance * out_.distance - explained * explained);
     for (std::size_t i = 0; i < variances_.posterior.size(); ++i) {
-      const double expected = std::sqrt(variances_.posterior[i] + (u()[i] - byLoads_[i]).squaredNorm());
+      const double expected = std::sqrt(variances_.posterior[i] + unexplained + (u()[i] - byLoads_[i]).squaredNorm());
       out_.expectedErrors.push_back(expected);
       out_.isUnknown.push_back(
           expected > 2.0 * settings_.noise && expected > kUnknown * std::sqrt(variances_.prior[i]) ? 1 : 0);
