@@ -11,6 +11,7 @@ constexpr double kFiner = 0.6;           // of the scale of the noise per iterat
 constexpr double kSmallChange = 0.1;     // of the noise: change of positions that ends the iterations
 constexpr double kSettled = 0.01;        // relative change of the distance that ends them as well, twice in a row
 constexpr double kLargestChange = 0.05;  // of the size, of the shape per iteration
+constexpr double kSameShape = 0.5;       // of the noise: change of shape that leaves the derivatives
 constexpr double kLeastPart = 0.05;      // of a step
 constexpr double kTurnSpread = 0.5, kShiftSpread = 0.2;     // rad, m: motions that are expected of a body at the start
 constexpr double kLargestTurn = 0.1, kLargestShift = 0.02;  // rad, m, per iteration
@@ -61,7 +62,7 @@ Result<void> LoadMatch::run(Eigen::VectorXd &loads, MatchMotion &motion) {
 LoadEstimate LoadMatch::estimate(double scale, const Eigen::VectorXd &loads) {
   LinearMeasurements rows;
   terms_.linearise(scale, rows);
-  rows.A = response_.sensitivities(terms_, parallelFor_);
+  rows.A = response_.sensitivities(terms_, kSameShape * settings_.noise, parallelFor_);
   rows.d += rows.A * loads;
   Eigen::VectorXd prior(6);
   prior.head<3>().setConstant(1.0 / (kTurnSpread * kTurnSpread));

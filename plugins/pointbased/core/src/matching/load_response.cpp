@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTolerance = 1e-3;  // of responses
 constexpr int kMaxIterations = 2000;
-constexpr std::size_t kBlock = 20;  // patterns whose derivatives are products of one pair of matrices
+constexpr std::size_t kBlock = 64;  // vertices whose derivatives are one product of matrices
 
 }  // namespace
 
@@ -51,6 +51,7 @@ std::vector<Vec3> LoadResponse::sum(const Eigen::VectorXd &amplitudes) const {
 
 void LoadResponse::deform(const Eigen::VectorXd &amplitudes, std::span<Vec3> u, const ParallelFor &parallelFor) {
   warped_.deform(sum(amplitudes), u, parallelFor);
+  shape_.assign(u.begin(), u.end());
 }
 
 double LoadResponse::size(const Eigen::VectorXd &amplitudes) const {
@@ -78,41 +79,68 @@ void LoadResponse::findColumns(const Interpolation &binding, std::span<const Ind
   });
 }
 
-Eigen::MatrixXd LoadResponse::sensitivities(const MatchTerms &terms, const ParallelFor &parallelFor) {
-  const std::vector<Index> vertices = terms.vertices();
-  const Interpolation &landmarks = terms.landmarkBinding();
-  const auto n = static_cast<Eigen::Index>(linear_.front().size());
-  std::vector<Index> missing, all(landmarks.count());
-  std::vector<Eigen::VectorXf *> found;
+void LoadResponse::differentiate(double tolerance, const ParallelFor &parallelFor) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < differentiatedAt_.size(); ++i)
+    squared += (shape_[i] - differentiatedAt_[i]).squaredNorm();
+  if (!differentiatedAt_.empty() && squared <= tolerance * tolerance * static_cast<double>(shape_.size())) return;
+  differentiatedAt_ = shape_;
+  moved_.clear();
+  derivatives_.setZero(static_cast<Eigen::Index>(shape_.size()), static_cast<Eigen::Index>(3 * count()));
+  parallelFor(count(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      warped_.addDerivative(linear_[p], derivatives_.middleCols(static_cast<Eigen::Index>(3 * p), 3));
+  });
+}
+
+void LoadResponse::moveVertices(const Interpolation &skin, std::span<const Index> vertices,
+                                const ParallelFor &parallelFor) {
+  std::vector<Index> missing, unsolved;
+  std::vector<Eigen::RowVectorXf *> rows;
+  std::vector<Eigen::VectorXf *> columns;
   for (const Index vertex : vertices)
-    if (const auto [at, isNew] = columns_.try_emplace(vertex); isNew) {
+    if (const auto [at, isNew] = moved_.try_emplace(vertex); isNew) {
       missing.push_back(vertex);
-      found.push_back(&at->second);
+      rows.push_back(&at->second);
+      if (const auto [column, isUnsolved] = columns_.try_emplace(vertex); isUnsolved) {
+        unsolved.push_back(vertex);
+        columns.push_back(&column->second);
+      }
     }
-  findColumns(terms.skinBinding(), missing, found, parallelFor);
-  std::vector<Eigen::VectorXf> ofLandmarks(landmarks.count());
-  found.clear();
-  for (Eigen::VectorXf &column : ofLandmarks) found.push_back(&column);
-  std::iota(all.begin(), all.end(), Index{0});
-  findColumns(landmarks, all, found, parallelFor);
-  Eigen::MatrixXf columns(n, static_cast<Eigen::Index>(vertices.size() + landmarks.count()));
-  for (std::size_t k = 0; k < vertices.size(); ++k)
-    columns.col(static_cast<Eigen::Index>(k)) = columns_.find(vertices[k])->second;
-  for (std::size_t l = 0; l < ofLandmarks.size(); ++l)
-    columns.col(static_cast<Eigen::Index>(vertices.size() + l)) = ofLandmarks[l];
-  Eigen::MatrixXd out(terms.rows(), static_cast<Eigen::Index>(count()));
-  parallelFor((count() + kBlock - 1) / kBlock, 1, [&](std::size_t begin, std::size_t end) {
+  findColumns(skin, unsolved, columns, parallelFor);
+  parallelFor((missing.size() + kBlock - 1) / kBlock, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t block = begin; block < end; ++block) {
-      const std::size_t first = block * kBlock, last = std::min(count(), first + kBlock);
-      Eigen::MatrixXf right = Eigen::MatrixXf::Zero(n, static_cast<Eigen::Index>(3 * (last - first)));
-      for (std::size_t p = first; p < last; ++p)
-        warped_.addDerivative(linear_[p], right.middleCols(static_cast<Eigen::Index>(3 * (p - first)), 3));
-      const Eigen::MatrixXd moved = (columns.transpose() * right).cast<double>();
-      for (std::size_t p = first; p < last; ++p)
-        terms.observe(vertices, moved.middleCols(static_cast<Eigen::Index>(3 * (p - first)), 3),
-                      out.col(static_cast<Eigen::Index>(p)));
+      const std::size_t first = block * kBlock, last = std::min(missing.size(), first + kBlock);
+      Eigen::MatrixXf together(derivatives_.rows(), static_cast<Eigen::Index>(last - first));
+      for (std::size_t k = first; k < last; ++k)
+        together.col(static_cast<Eigen::Index>(k - first)) = columns_.find(missing[k])->second;
+      const Eigen::MatrixXf product = together.transpose() * derivatives_;
+      for (std::size_t k = first; k < last; ++k) *rows[k] = product.row(static_cast<Eigen::Index>(k - first));
     }
   });
+}
+
+Eigen::MatrixXd LoadResponse::sensitivities(const MatchTerms &terms, double tolerance, const ParallelFor &parallelFor) {
+  differentiate(tolerance, parallelFor);
+  const std::vector<Index> vertices = terms.vertices();
+  moveVertices(terms.skinBinding(), vertices, parallelFor);
+  const Interpolation &landmarks = terms.landmarkBinding();
+  std::vector<Eigen::VectorXf> columns(landmarks.count());
+  std::vector<Eigen::VectorXf *> found;
+  for (Eigen::VectorXf &column : columns) found.push_back(&column);
+  std::vector<Index> all(landmarks.count());
+  std::iota(all.begin(), all.end(), Index{0});
+  findColumns(landmarks, all, found, parallelFor);
+
+  Eigen::MatrixXd moved(static_cast<Eigen::Index>(vertices.size() + landmarks.count()), derivatives_.cols());
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    moved.row(static_cast<Eigen::Index>(k)) = moved_.find(vertices[k])->second.cast<double>();
+  for (std::size_t l = 0; l < columns.size(); ++l)
+    moved.row(static_cast<Eigen::Index>(vertices.size() + l)) = (columns[l].transpose() * derivatives_).cast<double>();
+  Eigen::MatrixXd out(terms.rows(), static_cast<Eigen::Index>(count()));
+  for (std::size_t p = 0; p < count(); ++p)
+    terms.observe(vertices, moved.middleCols(static_cast<Eigen::Index>(3 * p), 3),
+                  out.col(static_cast<Eigen::Index>(p)));
   return out;
 }
 

@@ -26,7 +26,9 @@ class LoadResponse {
   /// m, root mean square over the phyxels of the linear response.
   [[nodiscard]] double size(const Eigen::VectorXd &amplitudes) const;
   /// Derivatives of all measurements with respect to the amplitudes at the last shape, [rows, patterns], m/Pa.
-  [[nodiscard]] Eigen::MatrixXd sensitivities(const MatchTerms &terms, const ParallelFor &parallelFor);
+  /// @param tolerance  m, root mean square: derivatives at a shape that is so near are taken as those of this one
+  [[nodiscard]] Eigen::MatrixXd sensitivities(const MatchTerms &terms, double tolerance,
+                                              const ParallelFor &parallelFor);
   /// m/Pa, response of a phyxel to a pattern, rotated with it.
   [[nodiscard]] Vec3 of(std::size_t pattern, std::size_t phyxel) const {
     return warped_.rotations()[phyxel] * linear_[pattern][phyxel];
@@ -35,13 +37,20 @@ class LoadResponse {
  private:
   explicit LoadResponse(const Body &body) : warped_(body) {}
   [[nodiscard]] std::vector<Vec3> sum(const Eigen::VectorXd &amplitudes) const;
+  // Derivatives at the last shape, unless it is that of `derivatives_` within the tolerance.
+  void differentiate(double tolerance, const ParallelFor &parallelFor);
   // L^-1 of the weights of the phyxels of points of a binding.
   void findColumns(const Interpolation &binding, std::span<const Index> points, std::span<Eigen::VectorXf *> out,
                    const ParallelFor &parallelFor) const;
+  // Derivatives of the displacements of vertices of the skin that are not in `moved_`.
+  void moveVertices(const Interpolation &skin, std::span<const Index> vertices, const ParallelFor &parallelFor);
 
   std::vector<std::vector<Vec3>> linear_;  // [patterns][phyxels] m/Pa
   WarpedResponse warped_;
-  std::map<Index, Eigen::VectorXf> columns_;  // findColumns() of vertices of the skin
+  std::vector<Vec3> shape_, differentiatedAt_;  // m, last displacements, and those of the derivatives
+  Eigen::MatrixXf derivatives_;                 // [phyxels, 3 patterns]: right sides of L
+  std::map<Index, Eigen::VectorXf> columns_;    // findColumns() of vertices of the skin
+  std::map<Index, Eigen::RowVectorXf> moved_;   // [3 patterns] of vertices of the skin
 };
 
 }  // namespace pointbased::detail

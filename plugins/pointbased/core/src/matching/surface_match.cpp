@@ -26,8 +26,8 @@ using detail::RobustLoss;
 using Vector6 = MatchSprings::Motion;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kLooseTolerance = 1e-3;  // spacings, of solutions before the last one
-constexpr int kRigidIterations = 60;
+constexpr double kLooseTolerance = 1e-3;                           // spacings, of solutions before the last one
+constexpr int kRigidIterations = 60, kFurtherRigidIterations = 5;  // of a first and of a further match
 constexpr double kSmallChange = 0.1;     // of the noise: change of the distances that ends the match
 constexpr double kSettled = 0.01;        // relative change of the distance that ends it as well, twice in a row
 constexpr double kAsNoise = 1.1;         // of the noise: distances that are explained
@@ -150,7 +150,8 @@ class Iterations {
     weigh();
     out_.distanceAtStart = terms_.distance();
     const bool isFirst = of_.stiffness == 0.0;
-    if (!settings_.isMotionKnown && isFirst) alignRigidly();
+    if (!settings_.isMotionKnown && isFirst)
+      alignRigidly(of_.loads.isZero(0.0) ? kRigidIterations : kFurtherRigidIterations);
     out_.distanceRigid = terms_.distance();
     out_.rigid = motion_;
     if (auto done = fitLoads(); !done) return tl::unexpected(done.error());
@@ -232,9 +233,9 @@ class Iterations {
   }
 
   // Iterative closest points of the body as it is.
-  void alignRigidly() {
+  void alignRigidly(int iterations) {
     const std::vector<Vec3> none(u().size(), Vec3::Zero());
-    for (int k = 0; k < kRigidIterations; ++k) {
+    for (int k = 0; k < iterations; ++k) {
       terms_.springs(1.0, springs_);
       Vector6 gradient;
       Matrix6 hessian;
