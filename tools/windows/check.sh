@@ -1,17 +1,24 @@
 #!/usr/bin/env bash
 # ./check --windows: builds C3DE for Windows by mingw-w64 and runs its tests under wine on a virtual screen. Arguments go to
-# ctest. Tests that are not run there are listed with their reasons in tools/windows/not-run.txt.
+# ctest; with --all first, the slow tests are run as well. Tests that are not run there are listed with their reasons in
+# tools/windows/not-run.txt.
 # The scenarios with a window need the test program of this machine, which is built as well.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . tools/prepare.sh
+slow=OFF
+if [ "${1:-}" = --all ]; then
+  slow=ON
+  shift
+fi
 c3de_install_packages "$(c3de_names tools/debian-packages.txt tools/debian-packages-check.txt tools/debian-packages-windows.txt)" ""
 tools/windows/dependencies.sh
 build=build/windows-mingw
 # The first program under wine creates its folders.
 c3de_watched "wine:" build/windows/wine.log c3de_seconds tools/windows/wine.sh cmd /c exit || c3de_fail "wine does not run; see build/windows/wine.log"
-[ -f $build/build.ninja ] || c3de_watched "configuring for Windows" build/configure-windows.log c3de_seconds \
-  cmake --preset windows-mingw -DC3DE_BUILD_BENCHMARKS=OFF ||
+grep -qs "^C3DE_BUILD_SLOW_TESTS:BOOL=$slow" $build/CMakeCache.txt ||
+  c3de_watched "configuring for Windows" build/configure-windows.log c3de_seconds \
+    cmake --preset windows-mingw -DC3DE_BUILD_BENCHMARKS=OFF -DC3DE_BUILD_SLOW_TESTS=$slow ||
   c3de_fail "cmake could not configure $build; the whole output is in build/configure-windows.log"
 NINJA_STATUS='[%f/%t] ' c3de_watched "building for Windows:" build/build-windows.log c3de_build_steps cmake --build $build || {
   grep -A 30 -m 1 '^FAILED:' build/build-windows.log >&2 || tail -n 30 build/build-windows.log >&2
