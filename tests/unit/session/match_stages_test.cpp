@@ -115,3 +115,17 @@ TEST_CASE("The expected error of a deformation is a lower bound where points har
   elastic.body->error->unknownPart = 0.3;
   CHECK_THAT(lineOf(), Contains("deformation: at least 2.3 mm"));
 }
+
+TEST_CASE("Distances that the noise does not explain are a warning of the deformation") {
+  ElasticMatch elastic;
+  BodyMatch &body = elastic.body.emplace();
+  body.hasConverged = true;
+  body.usedPart = 1.0;
+  body.noise_mm = 0.5;
+  body.error.emplace(BodyMatch::ExpectedError{2.3, 4.0, 0.1});
+  body.after_mm = 0.6;
+  CHECK(warningsOf(elastic).empty());
+  body.after_mm = 4.0;
+  REQUIRE(warningsOf(elastic).size() == 1);
+  CHECK_THAT(warningsOf(elastic).front(), Contains("distances of 4 mm") && Contains("a noise of 0.5 mm"));
+}

@@ -172,7 +172,9 @@ Expected<BodyMatch> matchBody(c3de_object *simulator, const std::string &body,
   }
   const Json details = Json::parse(text, nullptr, false);
   if (!details.is_object()) return fail(ErrorCode::plugin, "the details of the match are not a JSON object");
-  return matchOf(result, details);
+  BodyMatch out = matchOf(result, details);
+  out.noise_mm = options.noise_mm;
+  return out;
 }
 
 }  // namespace c3de::session

@@ -124,6 +124,13 @@ std::vector<std::string> warningsOf(const ElasticMatch &elastic) {
   if (!elastic.failure.empty()) out.push_back("the body was not deformed: " + elastic.failure);
   if (!elastic.body) return out;
   if (!elastic.body->hasConverged) out.push_back("the deformation has not converged");
+  constexpr double kUnexplained = 1.5;  // of the noise, as of the rigid search
+  if (elastic.body->after_mm > kUnexplained * elastic.body->noise_mm)
+    out.push_back(
+        fmt::format("the deformation leaves distances of {:.3g} mm, which a noise of {:.3g} mm does not explain; the "
+                    "points may be of "
+                    "another body, or its position and supports may be others",
+                    elastic.body->after_mm, elastic.body->noise_mm));
   if (elastic.body->usedPart < kFewPoints)
     out.push_back(
         fmt::format("the deformation uses {:.0f} % of the points: the others are farther away than the noise "

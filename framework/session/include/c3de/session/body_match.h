@@ -33,6 +33,7 @@ struct BodyMatch {
   /// Distances of the points to the surface, root mean square by robust weights: at the start, after the rigid motion,
   /// now
   double before_mm = 0.0, rigid_mm = 0.0, after_mm = 0.0;
+  double noise_mm = 0.0;  ///< of the points, as it was requested
   double usedPart = 0.0;  ///< 0 … 1: of the points; the others count as false
   double force_N = 0.0;   ///< sum of the magnitudes of the forces that were found
   /// Expected, without errors of the model; none: the simulator does not estimate them
