@@ -18,6 +18,11 @@ c3de::ProcessResult runProgram(const std::vector<std::string> &command) {
   if (!result) FAIL(result.error().message);
   INFO(result->errorOutput);
   CHECK_FALSE(result->timedOut);
+#if defined(_WIN32)
+  // Lines of text end as on every other system.
+  std::erase(result->output, '\r');
+  std::erase(result->errorOutput, '\r');
+#endif
   return *result;
 }
 
