@@ -195,8 +195,8 @@ class Iterations {
     return {};
   }
 
-  // Finds forces that hold the shape: those of soft springs between each phyxel and its place, which let short waves
-  // relax. They become the external forces of the body.
+  // Finds forces that hold the shape in equilibrium: those of soft springs between each phyxel and its position in it.
+  // Deformations of short wavelength relax. The forces become the external forces of the body.
   void hold() {
     const std::vector<Vec3> shape = u();
     std::vector<Vec3> forces(shape.size(), Vec3::Zero()), at;
