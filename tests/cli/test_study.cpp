@@ -407,7 +407,8 @@ TEST_CASE("What is wrong with a study is refused with its line before anything r
        "}\n[case.reference]\nvalue = 1\nuncertainty = "
        "0\nkind = \"formula\"\nsource = \"x\"\n" +
            grid("spacing = 0.1"),
-       3, "box.toml has no probe 'tpi'; did you mean 'tip'?"},
+       3,
+       "study.toml:9: " + (folder / "box.toml").make_preferred().string() + " has no probe 'tpi'; did you mean 'tip'?"},
       {"[[case]]\nname = \"t\"\nscene = \"box.toml\"\nquantity = { reaction = 1, component = \"x\" "
        "}\n[case.reference]\nvalue = 1\nuncertainty = "
        "0\nkind = \"formula\"\nsource = \"x\"\n" +

@@ -116,7 +116,7 @@ TEST_CASE("The expected error of a deformation is a lower bound where points har
   CHECK_THAT(lineOf(), Contains("deformation: at least 2.3 mm"));
 }
 
-TEST_CASE("Distances that the noise does not explain are a warning of the deformation") {
+TEST_CASE("Distances above the noise, few points used and an unknown error are warnings of the deformation") {
   ElasticMatch elastic;
   BodyMatch &body = elastic.body.emplace();
   body.hasConverged = true;
@@ -128,4 +128,12 @@ TEST_CASE("Distances that the noise does not explain are a warning of the deform
   body.after_mm = 4.0;
   REQUIRE(warningsOf(elastic).size() == 1);
   CHECK_THAT(warningsOf(elastic).front(), Contains("distances of 4 mm") && Contains("a noise of 0.5 mm"));
+  body.after_mm = 0.6;
+  body.usedPart = 0.5;
+  REQUIRE(warningsOf(elastic).size() == 1);
+  CHECK_THAT(warningsOf(elastic).front(), Contains("the deformation uses 50 % of the points"));
+  body.usedPart = 1.0;
+  body.error.reset();
+  REQUIRE(warningsOf(elastic).size() == 1);
+  CHECK_THAT(warningsOf(elastic).front(), Contains("the error of the deformation is not known"));
 }

@@ -64,8 +64,8 @@ struct SurfaceMatchResult {
   std::vector<double> landmarkErrors;  ///< [landmarks] m
   double distanceAtStart = 0.0, distanceRigid = 0.0, distance = 0.0;  ///< m, root mean square by robust weights
   /// [phyxels] m, expected error of the moved position (root mean square of its length), from noise, coverage, motion,
-  /// the loads that are expected a priori, what springs have changed and what remains unexplained; without errors of the
-  /// material. Empty: not requested.
+  /// the loads that are expected a priori, what springs have changed and what remains unexplained. Errors of the
+  /// material are not in it. Empty: not requested.
   std::vector<double> expectedErrors;
   std::vector<std::uint8_t> isUnknown;  ///< [phyxels] 1: the measurement hardly determines it
   double usedPart = 0.0;                ///< part of the points with a weight above a half
@@ -77,10 +77,11 @@ struct SurfaceMatchResult {
 /// The inverse problem of a partly seen surface: finds loads f and the rigid motion (R, t) after which the skin of the
 /// body in equilibrium meets measured points and landmarks.
 ///
-///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²),   u the response to Σ q_p B_p
+///     minimise  Σ_i w_i |n_i · (y_i - R x_i(u) - t)|² / (2 σ²)  +  |q|² / (2 s²),
+///     u the response to Σ q_p B_p
 ///
 /// The loads B_p are smooth tractions around sites of the skin, a uniform body force, and the tractions of uniform
-/// stresses. They rotate with the body, so that u is a large deformation: the shape whose gradients are the exponentials
+/// stresses. They rotate with the body, so that u may be large: the gradients of the shape are close to exponentials
 /// of the rotations and strains of the linear response. Their size s is unknown and follows from the marginal
 /// likelihood, so that the size of Young's modulus cancels. Amplitudes q and motion follow together from Gauss-Newton
 /// steps. Closest points, normals and the weights w (Huber's, in the end Tukey's) are found anew in each iteration.

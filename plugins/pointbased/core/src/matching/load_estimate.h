@@ -14,8 +14,8 @@ struct LinearMeasurements {
   Eigen::VectorXd weights;  ///< [rows] 1/m², inverse variances
 };
 
-/// Mean of s² by its probability. The geometric mean is smaller: a cautious choice while the measurements are linearised
-/// far from their final shape.
+/// Mean of s² by its probability. The geometric mean is smaller: a cautious choice while the shape is far from the
+/// measured one.
 enum class LoadSize { mean, geometricMean };
 
 struct LoadEstimate {
@@ -27,8 +27,8 @@ struct LoadEstimate {
   double variance = 0.0;             ///< Pa², of a load before the measurement, s²
 };
 
-/// Normal prior q ~ N(0, s² I), with s unknown between bounds and its logarithm uniform. Loads and motion are those for
-/// a mean of s² by the marginal likelihood, and covariances are means over s by it:
+/// Normal prior q ~ N(0, s² I), with s unknown between bounds and its logarithm uniform. Loads and motion are those
+/// for a mean of s² by the marginal likelihood, and covariances are means over s by it:
 ///
 ///     ln p(d | s) = -½ Σ ln(1 + s² λ_j) + ½ Σ s² b_j² / (1 + s² λ_j) + const
 ///

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFiner = 0.6;           // of the scale of the noise per iteration
 constexpr double kSmallChange = 0.1;     // of the noise: change of positions that ends the iterations
-constexpr double kSettled = 0.01;        // relative change of the distance that ends them as well, twice in a row
+constexpr double kSettled = 0.01;        // relative change of the distance that ends them as well, three times in a row
 constexpr double kLargestChange = 0.05;  // of the size, of the shape per iteration
 constexpr double kSameShape = 0.5;       // of the noise: change of shape that leaves the derivatives
 constexpr double kLeastPart = 0.05;      // of a step
@@ -28,6 +28,8 @@ LoadMatch::LoadMatch(std::vector<Vec3> &displacements, const RestState &rest, Lo
 }
 
 Result<void> LoadMatch::run(Eigen::VectorXd &loads, MatchMotion &motion) {
+  // Derivatives of a match before would make the result depend on it.
+  response_.forgetDerivatives();
   response_.deform(loads, u_, parallelFor_);
   terms_.evaluate(u_, motion);
   terms_.weigh(RobustLoss::huber, terms_.spread());
@@ -40,7 +42,8 @@ Result<void> LoadMatch::run(Eigen::VectorXd &loads, MatchMotion &motion) {
       return tl::unexpected(std::string("cancelled"));
     const std::vector<Vec3> before = u_;
     const MatchMotion motionBefore = motion;
-    const double part = move(estimate(scale, loads), scale, loads, motion);
+    const LoadSize size = scale > 1.0 ? LoadSize::geometricMean : LoadSize::mean;
+    const double part = move(estimate(scale, size, loads), scale, loads, motion);
     terms_.weigh(scale > 1.0 ? RobustLoss::huber : RobustLoss::tukey, terms_.spread());
     double change = 0.0;
     for (std::size_t i = 0; i < before.size(); ++i) {
@@ -59,7 +62,7 @@ Result<void> LoadMatch::run(Eigen::VectorXd &loads, MatchMotion &motion) {
   return {};
 }
 
-LoadEstimate LoadMatch::estimate(double scale, const Eigen::VectorXd &loads) {
+LoadEstimate LoadMatch::estimate(double scale, LoadSize size, const Eigen::VectorXd &loads) {
   LinearMeasurements rows;
   terms_.linearise(scale, rows);
   rows.A = response_.sensitivities(terms_, kSameShape * settings_.noise, parallelFor_);
@@ -67,7 +70,7 @@ LoadEstimate LoadMatch::estimate(double scale, const Eigen::VectorXd &loads) {
   Eigen::VectorXd prior(6);
   prior.head<3>().setConstant(1.0 / (kTurnSpread * kTurnSpread));
   prior.tail<3>().setConstant(1.0 / (kShiftSpread * kShiftSpread));
-  return estimateLoads(rows, prior, settings_.noise, size_, scale > 1.0 ? LoadSize::geometricMean : LoadSize::mean);
+  return estimateLoads(rows, prior, settings_.noise, size_, size);
 }
 
 // Twice the negative logarithm of the posterior density for loads of a given variance, without constants.
@@ -99,7 +102,7 @@ double LoadMatch::move(const LoadEstimate &to, double scale, Eigen::VectorXd &lo
 LoadMatch::Variances LoadMatch::variances(const Eigen::VectorXd &loads) {
   Variances out;
   // Where the residuals are larger than the noise, so are the errors of the model.
-  const LoadEstimate found = estimate(std::max(1.0, terms_.misfit()), loads);
+  const LoadEstimate found = estimate(std::max(1.0, terms_.misfit()), LoadSize::mean, loads);
   Eigen::MatrixXd here(3, loads.size());
   for (std::size_t i = 0; i < u_.size(); ++i) {
     for (Eigen::Index p = 0; p < loads.size(); ++p) here.col(p) = response_.of(static_cast<std::size_t>(p), i);

@@ -31,7 +31,7 @@ class LoadMatch {
   [[nodiscard]] Variances variances(const Eigen::VectorXd &loads);
 
  private:
-  [[nodiscard]] LoadEstimate estimate(double scale, const Eigen::VectorXd &loads);
+  [[nodiscard]] LoadEstimate estimate(double scale, LoadSize size, const Eigen::VectorXd &loads);
   [[nodiscard]] double objective(double scale, const Eigen::VectorXd &loads, double variance) const;
   // Part of the step that was taken.
   double move(const LoadEstimate &to, double scale, Eigen::VectorXd &loads, MatchMotion &motion);

@@ -101,14 +101,4 @@ void LoadPatterns::forces(std::size_t pattern, std::span<Vec3> out) const {
   for (std::size_t i = 0; i < phyxels_; ++i) out[i] = sizes[i] * along;
 }
 
-std::vector<Vec3> LoadPatterns::sum(const Eigen::VectorXd &amplitudes) const {
-  std::vector<Vec3> out(phyxels_, Vec3::Zero()), one(phyxels_);
-  for (std::size_t p = 0; p < count(); ++p) {
-    forces(p, one);
-    const double amplitude = amplitudes[static_cast<Eigen::Index>(p)];
-    for (std::size_t i = 0; i < phyxels_; ++i) out[i] += amplitude * one[i];
-  }
-  return out;
-}
-
 }  // namespace pointbased::detail

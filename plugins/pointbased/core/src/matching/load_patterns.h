@@ -18,8 +18,6 @@ class LoadPatterns {
   [[nodiscard]] std::size_t count() const { return 3 * sites_.size() + 3 + stresses_.size(); }
   /// N, on the phyxels, of a unit of one pattern.
   void forces(std::size_t pattern, std::span<Vec3> out) const;
-  /// N, sum of all patterns with their amplitudes in Pa.
-  [[nodiscard]] std::vector<Vec3> sum(const Eigen::VectorXd &amplitudes) const;
 
  private:
   void addSites(const RestState &rest, const SurfacePoints &samples, const Interpolation &binding, double area);

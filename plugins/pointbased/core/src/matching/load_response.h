@@ -29,6 +29,8 @@ class LoadResponse {
   /// @param tolerance  m, root mean square: derivatives at a shape that is so near are taken as those of this one
   [[nodiscard]] Eigen::MatrixXd sensitivities(const MatchTerms &terms, double tolerance,
                                               const ParallelFor &parallelFor);
+  /// The next sensitivities() are those of the last shape.
+  void forgetDerivatives() { differentiatedAt_.clear(); }
   /// m/Pa, response of a phyxel to a pattern, rotated with it.
   [[nodiscard]] Vec3 of(std::size_t pattern, std::size_t phyxel) const {
     return warped_.rotations()[phyxel] * linear_[pattern][phyxel];

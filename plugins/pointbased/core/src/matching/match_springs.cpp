@@ -71,12 +71,12 @@ void MatchSprings::addTriplets(std::vector<Eigen::Triplet<double>> &out) const {
                              weights_[e] * weights_[f] * stiffness_[i](a, b));
 }
 
-void MatchSprings::ofMotion(std::span<const Vec3> v, Motion &gradient, Eigen::Matrix<double, 6, 6> &hessian) const {
+void MatchSprings::ofMotion(Motion &gradient, Eigen::Matrix<double, 6, 6> &hessian) const {
   gradient.setZero();
   hessian.setZero();
   for (std::size_t i = 0; i < count(); ++i) {
     const Columns AC = stiffness_[i] * columns_[i];
-    gradient -= AC.transpose() * residual(i, v);
+    gradient -= AC.transpose() * residuals_[i];
     hessian += columns_[i].transpose() * AC;
   }
 }

@@ -27,8 +27,8 @@ class MatchSprings {
   void addProduct(std::span<const Vec3> dv, std::span<Vec3> out) const;
   void addBlocks(std::span<Mat3> blocks) const;
   void addTriplets(std::vector<Eigen::Triplet<double>> &out) const;
-  /// dU/dm and d²U/dm² at v, m = 0.
-  void ofMotion(std::span<const Vec3> v, Motion &gradient, Eigen::Matrix<double, 6, 6> &hessian) const;
+  /// dU/dm and d²U/dm² at v = 0, m = 0.
+  void ofMotion(Motion &gradient, Eigen::Matrix<double, 6, 6> &hessian) const;
 
  private:
   [[nodiscard]] Vec3 residual(std::size_t i, std::span<const Vec3> v) const;

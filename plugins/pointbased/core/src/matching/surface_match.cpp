@@ -226,21 +226,16 @@ class Iterations {
     of_.body->swapExternalForces(forces);
   }
 
-  static void addPrior(Matrix6 &hessian, double stiffness, double noise) {
-    const double scale = stiffness * noise * noise;
-    hessian.diagonal().head<3>().array() += scale / (kTurnSpread * kTurnSpread);
-    hessian.diagonal().tail<3>().array() += scale / (kShiftSpread * kShiftSpread);
-  }
-
   // Iterative closest points of the body as it is.
   void alignRigidly(int iterations) {
-    const std::vector<Vec3> none(u().size(), Vec3::Zero());
+    const double variance = settings_.noise * settings_.noise;
     for (int k = 0; k < iterations; ++k) {
       terms_.springs(1.0, springs_);
       Vector6 gradient;
       Matrix6 hessian;
-      springs_.ofMotion(none, gradient, hessian);
-      addPrior(hessian, 1.0, settings_.noise);
+      springs_.ofMotion(gradient, hessian);
+      hessian.diagonal().head<3>().array() += variance / (kTurnSpread * kTurnSpread);
+      hessian.diagonal().tail<3>().array() += variance / (kShiftSpread * kShiftSpread);
       const Vector6 step = -hessian.ldlt().solve(gradient);
       motion_ = terms_.moved(motion_, step);
       terms_.evaluate(u(), motion_);
@@ -259,7 +254,7 @@ class Iterations {
     return out;
   }
 
-  // Equilibrium with the springs; false: there is none.
+  // Equilibrium with the springs. Errors: there is none.
   [[nodiscard]] Result<void> solve(MatchPotential &potential, double tolerance) {
     std::vector<Vec3> at = u();
     const NewtonResult solved = of_.newton.solve(potential, at, newtonSettings(tolerance));
@@ -330,7 +325,7 @@ class Iterations {
     return std::move(out_);
   }
 
-  // What springs have changed is an error of the loads, from which the unseen part is known. So is what neither explains.
+  // What springs have changed is an error of the loads, from which the unseen part is known. So is what remains.
   void findExpectedErrors() {
     const double explained = kAsNoise * settings_.noise;
     const double unexplained = std::max(0.0, out_.distance * out_.distance - explained * explained);

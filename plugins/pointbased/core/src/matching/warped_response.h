@@ -13,8 +13,8 @@ namespace pointbased::detail {
 ///
 ///     minimise  Σ_q V_q Σ_k |y_k - ȳ - exp(ω_q) exp(ε_q) (x_k - x̄)|²,   k over the phyxels of q
 ///
-/// with the positions x without loads. Held phyxels have the displacement v. The shape exists for any loads, in contrast
-/// to an equilibrium under loads of constant direction, and det F > 0 at the points of the target.
+/// with the positions x without loads. Held phyxels have the displacement v. The shape exists for any loads, in
+/// contrast to an equilibrium under loads of constant direction. The determinant of exp(ω) exp(ε) is positive.
 /// @source  Huang, Tong, Zhou, Bao and Desbrun, Interactive shape interpolation through controllable dynamic
 ///          deformation, IEEE TVCG 17, 2011 (rotation-strain coordinates)
 class WarpedResponse {
