@@ -197,6 +197,48 @@ void compareAdaptive(Report &report, std::uint64_t first, int problems, double f
               ", over 1.68 times as many: " + std::to_string(std::exp(sumDearer / n)));
 }
 
+/// Errors, steps and solution times of first and second order with the same spacing. The truth is of second order.
+void compareOrders(Report &report, std::uint64_t first, int problems, double finest) {
+  report.table("orders",
+               "problem; phyxels; difference:4; order_difference=between orders:4; linear_percent=first order %:2; "
+               "quadratic_percent=second order %:2; ratio:2; step=step ratio:2; linear_ms=first ms:0; "
+               "quadratic_ms=second ms:0");
+  double sum = 0.0;
+  int n = 0;
+  for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(problems); ++seed) {
+    const auto one = tried(seed);
+    if (!one) continue;
+    const auto &[problem, survey] = *one;
+    const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, 500);
+    const auto solved = [&](LatticeOrder order, double count, double *ms) {
+      BodyRecipe recipe = problem.recipe;
+      recipe.sampling.order = order;
+      const double begin = bench::processor_ms();
+      auto out = solveTrial({problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity},
+                            static_cast<std::size_t>(count), samples, serialFor());
+      if (ms != nullptr) *ms = bench::processor_ms() - begin;
+      return out;
+    };
+    const auto truth = solved(LatticeOrder::quadratic, finest, nullptr);
+    if (!truth) continue;
+    const auto count = static_cast<double>(automaticCount(survey.volume, survey.area));
+    for (const double part : {1.0 / 7.0, 0.4, 1.0, 2.5}) {
+      if (part * count > 0.5 * finest) continue;
+      double linear_ms = 0.0, quadratic_ms = 0.0;
+      const auto linear = solved(LatticeOrder::linear, part * count, &linear_ms);
+      const auto quadratic = solved(LatticeOrder::quadratic, part * count, &quadratic_ms);
+      if (!linear || !quadratic) continue;
+      const double ofLinear = errorOf(*linear, *truth), ofQuadratic = errorOf(*quadratic, *truth);
+      report.row({problem.name, linear->phyxels, survey.difference,
+                  skinDifference(*linear, *quadratic) / quadratic->largest, 100.0 * ofLinear, 100.0 * ofQuadratic,
+                  ofQuadratic / ofLinear, quadratic->stableStep / linear->stableStep, linear_ms, quadratic_ms});
+      sum += std::log(ofQuadratic / ofLinear);
+      ++n;
+    }
+  }
+  report.note("second over first order, in the mean: " + std::to_string(std::exp(sum / n)));
+}
+
 void fit(Report &report, std::uint64_t first, int problems, double finest) {
   report.table("fit", "problem; phyxels; difference:5; spacing_ratio_log=log spacing ratio; error:5; predicted:5");
   std::vector<std::array<double, 3>> rows;  // log difference, log spacing over that of the fine trial, log error
@@ -250,6 +292,7 @@ void bench::checkPredictions(const Options &options, Report &report) {
   const auto first = [&](std::uint64_t usual) { return options.count("--first", usual); };
   const auto problems = [&](const char *option) { return static_cast<int>(options.number(option, 20)); };
   if (options.has("--adaptive")) return compareAdaptive(report, first(0), problems("--adaptive"), finest);
+  if (options.has("--orders")) return compareOrders(report, first(0), problems("--orders"), finest);
   if (options.has("--fit")) return fit(report, first(0), problems("--fit"), finest);
   checkHeldOut(report, first(kHeldOut), problems("--problems"));
 }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "forces/stiffness_factors.h"
 
+#include <Eigen/Eigenvalues>
+
 #include "base/polar.h"
 #include "forces/laminate.h"
 #include "forces/point_loops.h"
+#include "forces/quadratic_energy.h"
 #include "forces/viscous_hourglass.h"
 #include "material/laws.h"
 
@@ -55,6 +58,23 @@ Elastic elasticOf(const Material &material, double viscosity, const Mat3 &F) {
   return turned;
 }
 
+// b of the entries of a point, of which the first is at `at`.
+void findSlopes(const StencilSet &s, std::size_t q, const QuadraticPoints::Point &point, const Mat3 &F, bool isLinear,
+                const ModeRows &modes, float *at, std::size_t width) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> covariance(s.volumes[q] * point.covariance);
+  const Mat3 roots = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Mat3 turn = isLinear ? s.axes : Mat3(std::sqrt(F.squaredNorm() / 3.0) * polar(F).R * s.axes);
+  const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
+  const Vec3 *bends = s.quadratic.bends.data() + point.first;
+  for (Index e = first; e < last; ++e, ++bends, ++at) {
+    const Eigen::Vector4d &mixed = modes[e];
+    Mat3 second;
+    second << (*bends)[0], mixed[0], mixed[1], mixed[0], (*bends)[1], mixed[2], mixed[1], mixed[2], (*bends)[2];
+    const Mat3 b = turn * second * roots;
+    for (std::size_t k = 0; k < StiffnessFactors::kSlopes; ++k) at[k * width] = static_cast<float>(b.data()[k]);
+  }
+}
+
 }  // namespace
 
 void findStiffnessFactors(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
@@ -63,11 +83,15 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
   std::size_t count = 0;
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
     out.first[q] = count;
-    count += StiffnessFactors::kNumbers * StiffnessFactors::width(s.phyxels.row(q).size());
+    const std::size_t numbers =
+        StiffnessFactors::kNumbers + (s.quadratic.find(q) != nullptr ? StiffnessFactors::kSlopes : 0);
+    count += numbers * StiffnessFactors::width(s.phyxels.row(q).size());
   }
   out.numbers.assign(count, 0.0F);
   out.lambda.resize(s.pointCount());
   out.mu.resize(s.pointCount());
+  out.slopeLambda.assign(s.quadratic.of.empty() ? 0 : s.pointCount(), 0.0F);
+  out.slopeMu.assign(out.slopeLambda.size(), 0.0F);
   const Laminates laminates = findLaminates(s, constitution);
   const bool hasModes = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
@@ -83,6 +107,7 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
       const Vec3 normal = laminate != nullptr ? Vec3(s.axes * laminate->normal) : Vec3(Vec3::Zero());
       const double less = laminate != nullptr ? laminate->shareOfShear() - 1.0 : 0.0;
       Eigen::Vector4d roots = Eigen::Vector4d::Zero();
+      const QuadraticPoints::Point *second = hasModes && !material.relaxes() ? s.quadratic.find(q) : nullptr;
       if (hasModes) {
         const HourglassEnergy elasticModes(material, constitution.stabilisation),
             viscous = viscousHourglass(material, viscousScale * constitution.stabilisation),
@@ -92,6 +117,11 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
                     ? modeRoots(laminates.modes[laminates.of[q]], modal.twist(s.volumes[q], s.variances[q]))
                     : modeRoots(modal, s.volumes[q] * s.variances[q], s.volumes[q], s.variances[q]);
         if (material.law != MaterialLaw::linear) roots.head<3>() *= std::sqrt(gradients[q].squaredNorm() / 3.0);
+        if (second != nullptr) {
+          roots.head<3>().setZero();
+          out.slopeLambda[q] = static_cast<float>(modal.lambda() / kLatticeStabilisation);
+          out.slopeMu[q] = static_cast<float>(modal.mu() / kLatticeStabilisation);
+        }
       }
       const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
       const std::size_t width = StiffnessFactors::width(last - first);
@@ -107,6 +137,9 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
         const Eigen::Vector4d h = roots.cwiseProduct(modes[e]);
         for (std::size_t k = 0; k < 4; ++k) at[(6 + k) * width] = static_cast<float>(h[static_cast<Eigen::Index>(k)]);
       }
+      if (second != nullptr)
+        findSlopes(s, q, *second, gradients[q], material.law == MaterialLaw::linear, modes,
+                   out.numbers.data() + out.first[q] + StiffnessFactors::kNumbers * width, width);
     }
   });
 }

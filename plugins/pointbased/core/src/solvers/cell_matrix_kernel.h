@@ -13,6 +13,9 @@ namespace pointbased::kernels {
 /// @param out  [9][width]: numbers of the blocks by columns
 /// @threads  any; no allocation
 void addCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out);
+/// out += λ b_p d_p^T + μ d_p b_p^T + μ b_p·d_p I, summed over the three axes p.
+/// @param slopes  [3][3][width]
+void addSlopeRow(const float *slopes, std::size_t width, std::size_t entry, float lambda, float mu, float *out);
 
 /// Rounds the blocks of a row to units of their upper bounds: SweepRows.
 /// @param row  [eights][9][8]

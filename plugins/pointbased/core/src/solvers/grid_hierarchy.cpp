@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/disjoint_sets.h"
 #include "base/expects.h"
@@ -421,7 +422,12 @@ Csr renumbered(const Csr &rows, std::span<const Index> number) {
 void findSlots(GridLevel &level, Watch &watch) {
   const std::size_t n = level.nodes();
   std::vector<Index> entries;
-  const Csr &cells = level.cells;
+  level.firstEntry.assign(n, static_cast<Index>(level.cells.indices.size()));
+  for (Index e = 0; e < level.cells.indices.size(); ++e) {
+    Index &first = level.firstEntry[level.cells.indices[e]];
+    first = std::min(first, e);
+  }
+  const Csr &cells = level.rowCells();
   level.cellOfEntry.resize(cells.indices.size());
   for (std::size_t q = 0; q < cells.rows(); ++q)
     std::fill_n(level.cellOfEntry.begin() + cells.offsets[q], cells.row(q).size(), static_cast<Index>(q));
@@ -463,24 +469,33 @@ std::shared_ptr<const GridHierarchy> buildGridHierarchy(const StencilSet &stenci
   if (!stencils.isLattice() || positions.empty()) return nullptr;
   auto out = std::make_shared<GridHierarchy>();
   Watch watch(stop);
-  Cells cells = finestCells(stencils, positions, pointCentres, spacing);
-  Csr all = stencils.phyxels;  // cells and springs
-  for (std::size_t p = 0; p < springs.rows(); ++p) {
-    all.indices.insert(all.indices.end(), springs.row(p).begin(), springs.row(p).end());
-    all.offsets.push_back(static_cast<Index>(all.indices.size()));
-  }
+  // Coarser lattices need rows no wider than a cell.
+  if (!stencils.quadratic.of.empty()) out->trilinear = std::make_unique<StencilSet>(withTrilinearRows(stencils));
+  const StencilSet &narrow = out->trilinear ? *out->trilinear : stencils;
+  Cells cells = finestCells(narrow, positions, pointCentres, spacing);
+  const auto withSprings = [&](Csr rows) {
+    for (std::size_t p = 0; p < springs.rows(); ++p) {
+      rows.indices.insert(rows.indices.end(), springs.row(p).begin(), springs.row(p).end());
+      rows.offsets.push_back(static_cast<Index>(rows.indices.size()));
+    }
+    return rows;
+  };
+  Csr all = withSprings(narrow.phyxels), wide;
+  if (out->trilinear) wide = withSprings(stencils.phyxels);
   out->springs = springs;
   Csr finer;
   std::size_t nodes = positions.size();
   for (int width = 2;; width *= 2) {
     GridLevel &level = out->levels.emplace_back();
     throwIfStopRequested(stop);
-    const Csr pattern = neighboursIn(all, nodes, watch);
+    const Csr pattern = neighboursIn(wide.indices.empty() ? all : wide, nodes, watch);
     const std::vector<Index> number = numberBySlabs(pattern, level);
     throwIfStopRequested(stop);
     level.rows = renumbered(pattern, number);
     level.cells = std::move(all);
-    for (Index &i : level.cells.indices) i = number[i];
+    level.wideCells = std::exchange(wide, Csr());
+    for (Csr *rows : {&level.cells, &level.wideCells})
+      for (Index &i : rows->indices) i = number[i];
     level.finer = std::move(finer);
     findSlots(level, watch);
     renumber(cells, number);

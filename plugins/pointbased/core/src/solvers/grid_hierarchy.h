@@ -28,9 +28,13 @@ struct GridLevel {
   std::vector<Index> eights, columns;
 
   /// The matrix is the sum of those of cells and springs, so a coarser matrix is the sum of theirs.
-  Csr cells;                       ///< nodes of each cell, then of each spring; on coarser levels those they follow
-  Csr cellsOf;                     ///< [nodes] entries of `cells`
-  std::vector<Index> cellOfEntry;  ///< [entries]
+  Csr cells;  ///< nodes of each cell, then of each spring; on coarser levels those they follow
+  /// The same with functions of second order, whose rows are wider than a cell; empty: `cells`. Only the matrix of the
+  /// finest level has them.
+  Csr wideCells;
+  Csr cellsOf;                     ///< [nodes] entries of rowCells()
+  std::vector<Index> cellOfEntry;  ///< [entries of rowCells()]
+  std::vector<Index> firstEntry;   ///< [nodes] first entry of `cells`; the number of entries: none
   /// [nodes] first of `slots`: for every entry of `cellsOf`, the slots of the nodes of its cell in the row of the node.
   std::vector<std::size_t> firstSlot;
   std::vector<std::uint16_t> slots;   ///< slotOf()
@@ -39,6 +43,8 @@ struct GridLevel {
   std::vector<Index> firstPlace;      ///< [entries]
 
   [[nodiscard]] std::size_t nodes() const { return rows.rows(); }
+  /// Cells whose matrices are added in the rows of this level.
+  [[nodiscard]] const Csr &rowCells() const { return wideCells.indices.empty() ? cells : wideCells; }
   /// Offset of the numbers of the k-th column in a row that is being summed, [1 + eights][9][8]; the block of the node
   /// itself is at 0.
   [[nodiscard]] static std::size_t slotOf(std::size_t k) { return 72 * (1 + k / 8) + k % 8; }
@@ -54,6 +60,8 @@ struct GridHierarchy {
   std::vector<Index> order;   ///< [nodes of the finest level] phyxel
   std::vector<Index> number;  ///< [phyxels] node of the finest level
   Csr springs;                ///< [springs] phyxels coupled by each, as at construction
+  /// The points with trilinear functions, for coarser levels. Null: there are no others.
+  std::unique_ptr<const StencilSet> trilinear;
 };
 
 /// @param positions  [phyxels] m

@@ -44,6 +44,13 @@ double Multigrid::entries() const {
   return sum;
 }
 
+double Multigrid::widening() const {
+  constexpr double kOfTrilinear = 27.0;
+  const GridLevel &finest = hierarchy_->levels.front();
+  return std::max(
+      1.0, static_cast<double>(finest.rows.indices.size()) / (kOfTrilinear * static_cast<double>(finest.nodes())));
+}
+
 // Block of the finest matrix.
 Mat3 Multigrid::block(std::size_t i, std::size_t j) const {
   const GridLevel &grid = hierarchy_->levels.front();

@@ -36,9 +36,13 @@ class Multigrid {
                                                  hierarchy_->springs.indices == springs.indices));
   }
   [[nodiscard]] bool exists() const { return hierarchy_ != nullptr; }
+  /// The points with trilinear functions, or null: GridHierarchy::trilinear.
+  [[nodiscard]] const StencilSet *trilinear() const { return hierarchy_ ? hierarchy_->trilinear.get() : nullptr; }
+  /// @param factors  of the points; of the finest matrix
+  /// @param coarserFactors  of GridHierarchy::trilinear, for coarser levels; null where there is none
   /// @param held  [phyxels] 1: does not move; or empty
   /// @param blocks  [phyxels] added to the diagonal: inertia, contact, foundation, N/m
-  void assemble(const StencilSet &stencils, const StiffnessFactors &factors, std::span<const Mat3> blocks,
+  void assemble(const StiffnessFactors &factors, const StiffnessFactors *coarserFactors, std::span<const Mat3> blocks,
                 const SpringRows &springs, std::span<const std::uint8_t> held, const ParallelFor &parallelFor,
                 const StopRequest *stop);
   /// out = M^-1 in
@@ -49,6 +53,8 @@ class Multigrid {
 
   /// Number of blocks in the matrices of all levels; an application reads them twice.
   [[nodiscard]] double entries() const;
+  /// Width of the finest rows relative to those of trilinear functions, at least 1.
+  [[nodiscard]] double widening() const;
 
  private:
   using Floats = kernels::AlignedVector<float>;

@@ -49,17 +49,40 @@ Mat3 inverseOf(Mat3 d) {
 }  // namespace
 
 struct Multigrid::Sources {
-  const StencilSet &stencils;
-  const StiffnessFactors &factors;
+  const StiffnessFactors &factors, &coarserFactors;  // of the rows, and of coarser levels
   std::span<const Mat3> blocks;
   const SpringRows &springs;
 
-  [[nodiscard]] bool isSpring(std::size_t q) const { return q >= stencils.pointCount(); }
-  [[nodiscard]] float stiffness(std::size_t q) const {
-    return static_cast<float>(springs.stiffness[q - stencils.pointCount()]);
+  [[nodiscard]] std::size_t points() const { return factors.first.size(); }
+  [[nodiscard]] bool isSpring(std::size_t q) const { return q >= points(); }
+  [[nodiscard]] float stiffness(std::size_t q) const { return static_cast<float>(springs.stiffness[q - points()]); }
+  /// @param cells  whose entries are counted
+  [[nodiscard]] float weight(const Csr &cells, std::size_t e) const {
+    return static_cast<float>(springs.weights[e - cells.offsets[points()]]);
   }
-  [[nodiscard]] float weight(std::size_t e) const {
-    return static_cast<float>(springs.weights[e - stencils.phyxels.indices.size()]);
+  void addRow(std::size_t q, std::size_t width, std::size_t entry, float *out) const {
+    const float *numbers = factors.numbers.data() + factors.first[q];
+    kernels::addCellRow(numbers, width, entry, factors.lambda[q], factors.mu[q], out);
+    if (factors.hasSlopes(q))
+      kernels::addSlopeRow(numbers + StiffnessFactors::kNumbers * width, width, entry, factors.slopeLambda[q],
+                           factors.slopeMu[q], out);
+  }
+  // Sum of the diagonal of the block of an entry with itself.
+  [[nodiscard]] Vec3 diagonal(std::size_t q, std::size_t width, std::size_t entry) const {
+    const float *own = factors.numbers.data() + factors.first[q] + entry;
+    const auto squares = [&](std::size_t n) {
+      return Eigen::Vector3f(own[n * width], own[(n + 1) * width], own[(n + 2) * width]).cwiseAbs2().eval();
+    };
+    float isotropic = 0.0F;
+    for (std::size_t n = 3; n < StiffnessFactors::kNumbers; ++n) isotropic += own[n * width] * own[n * width];
+    Eigen::Vector3f sum = (factors.lambda[q] + factors.mu[q]) * squares(0);
+    if (factors.hasSlopes(q))
+      for (std::size_t n = 0; n < StiffnessFactors::kSlopes; n += 3) {
+        const Eigen::Vector3f of = squares(StiffnessFactors::kNumbers + n);
+        sum += (factors.slopeLambda[q] + factors.slopeMu[q]) * of;
+        isotropic += factors.slopeMu[q] * of.sum();
+      }
+    return (sum.array() + isotropic).cast<double>();
   }
 };
 
@@ -74,24 +97,24 @@ void Multigrid::sumRow(const Sources &from, std::size_t l, std::size_t i, Floats
     if (held_[i] != 0) return;
   }
   const std::uint16_t *slots = grid.slots.data() + grid.firstSlot[i];
+  const Csr &rowCells = grid.rowCells();
   for (const Index e : grid.cellsOf.row(i)) {
     const std::size_t q = grid.cellOfEntry[e];
-    const auto nodes = grid.cells.row(q);
-    const std::size_t m = nodes.size(), width = widthOf(m), a = e - grid.cells.offsets[q];
+    const auto nodes = rowCells.row(q);
+    const std::size_t m = nodes.size(), width = widthOf(m), a = e - rowCells.offsets[q];
     if (l == 0 && from.isSpring(q)) {
-      const float k_i = from.stiffness(q) * from.weight(e);
+      const float k_i = from.stiffness(q) * from.weight(rowCells, e);
       for (std::size_t k = 0; k < m; ++k)
         if (held_[nodes[k]] == 0)
           for (const std::size_t n : {0U, 4U, 8U})
-            row[slots[k] + kEight * n] += k_i * from.weight(grid.cells.offsets[q] + k);
+            row[slots[k] + kEight * n] += k_i * from.weight(rowCells, rowCells.offsets[q] + k);
       slots += m;
       continue;
     }
     const float *numbers = nullptr;
     if (l == 0) {
       scratch.assign(kBlock * width, 0.0F);
-      kernels::addCellRow(from.factors.numbers.data() + from.factors.first[q], width, a, from.factors.lambda[q],
-                          from.factors.mu[q], scratch.data());
+      from.addRow(q, width, a, scratch.data());
       numbers = scratch.data();
     } else {
       numbers = level.cells.data() + level.firstNumber[q] + kBlock * width * a;
@@ -107,15 +130,15 @@ void Multigrid::sumRow(const Sources &from, std::size_t l, std::size_t i, Floats
   }
 }
 
-void Multigrid::assemble(const StencilSet &s, const StiffnessFactors &factors, std::span<const Mat3> blocks,
-                         const SpringRows &springs, std::span<const std::uint8_t> held, const ParallelFor &parallelFor,
-                         const StopRequest *stop) {
+void Multigrid::assemble(const StiffnessFactors &factors, const StiffnessFactors *coarserFactors,
+                         std::span<const Mat3> blocks, const SpringRows &springs, std::span<const std::uint8_t> held,
+                         const ParallelFor &parallelFor, const StopRequest *stop) {
   parallelFor_ = parallelFor;
   const GridLevel &finest = hierarchy_->levels.front();
   held_.assign(finest.nodes(), 0);
   if (!held.empty())
     for (std::size_t i = 0; i < finest.nodes(); ++i) held_[i] = held[hierarchy_->order[i]];
-  const Sources from{s, factors, blocks, springs};
+  const Sources from{factors, coarserFactors != nullptr ? *coarserFactors : factors, blocks, springs};
   own_.resize(kBlock * finest.nodes());
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     throwIfStopRequested(stop);
@@ -139,21 +162,17 @@ void Multigrid::assembleRows(const Sources &from, std::size_t l) {
       if (l == 0) own = held_[i] != 0 ? Vec3(Vec3::Ones()) : Vec3(from.blocks[hierarchy_->order[i]].diagonal());
       for (const Index e : grid.cellsOf.row(i)) {
         if (l == 0 && held_[i] != 0) break;
-        const std::size_t q = grid.cellOfEntry[e], m = grid.cells.row(q).size(), width = widthOf(m);
-        const std::size_t a = e - grid.cells.offsets[q];
+        const Csr &cells = grid.rowCells();
+        const std::size_t q = grid.cellOfEntry[e], width = widthOf(cells.row(q).size()), a = e - cells.offsets[q];
         if (l > 0) {
           const float *numbers = level.cells.data() + level.firstNumber[q] + kBlock * width * a + a;
           for (std::size_t c = 0; c < 3; ++c)
             own[static_cast<Eigen::Index>(c)] += static_cast<double>(numbers[4 * c * width]);
         } else if (from.isSpring(q)) {
-          own.array() += static_cast<double>(from.stiffness(q) * from.weight(e) * from.weight(e));
+          const float weight = from.weight(cells, e);
+          own.array() += static_cast<double>(from.stiffness(q) * weight * weight);
         } else {
-          const float *factors = from.factors.numbers.data() + from.factors.first[q] + a;
-          const Eigen::Vector3f g(factors[0], factors[width], factors[2 * width]);
-          float d = 0.0F;
-          for (std::size_t n = 3; n < StiffnessFactors::kNumbers; ++n) d += factors[n * width] * factors[n * width];
-          own += ((from.factors.lambda[q] + from.factors.mu[q]) * g.cwiseAbs2()).cast<double>();
-          own.array() += static_cast<double>(d);
+          own += from.diagonal(q, width, a);
         }
       }
       const double largest = own.maxCoeff();
@@ -235,7 +254,7 @@ void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t co
   const std::size_t M = grid.cells.row(coarse).size(), width = widthOf(M),
                     fineWidth = widthOf(fine.cells.row(q).size());
   float *out = levels_[1].cells.data() + levels_[1].firstNumber[coarse];
-  const float *factors = from.factors.numbers.data() + from.factors.first[q];
+  const float *factors = from.coarserFactors.numbers.data() + from.coarserFactors.first[q];
   scratch.assign((kPadded + kNumbers) * width, 0.0F);  // node by node, then number by number
   for (Index e = fine.cells.offsets[q]; e < fine.cells.offsets[q + 1]; ++e, ++factors) {
     const Index i = fine.cells.indices[e];
@@ -248,7 +267,7 @@ void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t co
     for (std::size_t p = 0; p < parents; ++p)
       addScaled(weights[p], numbers, scratch.data() + kPadded * place[p], kPadded);
     // Blocks of the node itself, once.
-    if (fine.cellsOf.row(i).front() != e) continue;
+    if (fine.firstEntry[i] != e) continue;
     const Mat3 &own = from.blocks[hierarchy_->order[i]];
     for (std::size_t p = 0; p < parents; ++p)
       for (std::size_t r = 0; r < parents; ++r)
@@ -260,7 +279,8 @@ void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t co
   for (std::size_t n = 0; n < kNumbers; ++n)
     for (std::size_t k = 0; k < width; ++k) coarser[n * width + k] = scratch[kPadded * k + n];
   for (std::size_t J = 0; J < M; ++J)
-    kernels::addCellRow(coarser, width, J, from.factors.lambda[q], from.factors.mu[q], out + kBlock * width * J);
+    kernels::addCellRow(coarser, width, J, from.coarserFactors.lambda[q], from.coarserFactors.mu[q],
+                        out + kBlock * width * J);
 }
 
 void Multigrid::addFinestSpring(const Sources &from, std::size_t q, std::size_t coarse) {
@@ -273,7 +293,7 @@ void Multigrid::addFinestSpring(const Sources &from, std::size_t q, std::size_t 
     if (held_[i] != 0) continue;
     const std::uint16_t *place = fine.places.data() + fine.firstPlace[e];
     for (Index p = fine.parents.offsets[i]; p < fine.parents.offsets[i + 1]; ++p)
-      w[*place++] += fine.parentWeights[p] * from.weight(e);
+      w[*place++] += fine.parentWeights[p] * from.weight(fine.cells, e);
   }
   for (std::size_t J = 0; J < M; ++J)
     for (std::size_t K = 0; K < M; ++K)

@@ -244,22 +244,22 @@ bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
 bool StageProblem::assembleGrids(Multigrid &out, const StopRequest *stop) {
   const std::shared_ptr<const RestState> rest = body_.sharedRest();
   const PatchSolver &patches = body_.patches();
-  // Coarser lattices need rows no wider than a cell.
-  std::optional<StencilSet> narrow;
-  if (!rest->stencils.quadratic.of.empty()) narrow = withTrilinearRows(rest->stencils);
-  const StencilSet &stencils = narrow ? *narrow : rest->stencils;
   if (!out.isOf(rest, patches.phyxels()))
-    out.reset(buildGridHierarchy(stencils, rest->positions, rest->pointCentres, rest->spacing, patches.phyxels(), stop),
-              rest);
+    out.reset(
+        buildGridHierarchy(rest->stencils, rest->positions, rest->pointCentres, rest->spacing, patches.phyxels(), stop),
+        rest);
   if (!out.exists()) return false;
   std::vector<Mat3> gradients(rest->pointCount());
   deformationGradients(rest->stencils, body_.state().displacements, gradients, *env_.parallelFor);
-  findStiffnessFactors(body_.constitution(), stencils, gradients, viscousScale(), factors_, *env_.parallelFor);
+  findStiffnessFactors(body_.constitution(), rest->stencils, gradients, viscousScale(), factors_, *env_.parallelFor);
+  if (const StencilSet *trilinear = out.trilinear())
+    findStiffnessFactors(body_.constitution(), *trilinear, gradients, viscousScale(), trilinearFactors_,
+                         *env_.parallelFor);
   std::vector<Mat3> blocks(n_);
   for (std::size_t i = 0; i < n_; ++i) blocks[i] = (a_ + damping_) * body_.masses()[i] * Mat3::Identity();
   addContactAndSurroundings(blocks);
-  out.assemble(stencils, factors_, blocks, {patches.phyxels(), patches.weights(), patches.stiffness()}, prescribed(),
-               *env_.parallelFor, stop);
+  out.assemble(factors_, out.trilinear() != nullptr ? &trilinearFactors_ : nullptr, blocks,
+               {patches.phyxels(), patches.weights(), patches.stiffness()}, prescribed(), *env_.parallelFor, stop);
   return true;
 }
 

@@ -91,7 +91,7 @@ class StageProblem final : public IncrementalPotential {
   std::span<const Mat3> coupling_;
   TangentScratch scratch_;
   std::vector<Eigen::Triplet<double>> triplets_;
-  StiffnessFactors factors_;
+  StiffnessFactors factors_, trilinearFactors_;
 };
 
 }  // namespace pointbased::detail
