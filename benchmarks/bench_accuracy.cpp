@@ -205,12 +205,12 @@ void compareEstimates(const bench::Options &options, bench::Report &report) {
 }  // namespace
 
 int main(int argc, char **argv) {
-  return bench::run(
-      "bench_accuracy",
-      {{"error", "[--finest CELLS] [--only TEXT]", compareEstimates},
-       {"dial",
-        "[--first SEED] [--problems N] [--fit PROBLEMS] [--orders PROBLEMS] [--adaptive PROBLEMS] [--finest PHYXELS]",
-        bench::checkPredictions},
-       {"organs", "[--mesh FILE] [--only TEXT] [--phyxels N]", bench::checkOrgans}},
-      argc, argv);
+  return bench::run("bench_accuracy",
+                    {{"error", "[--finest CELLS] [--only TEXT]", compareEstimates},
+                     {"dial",
+                      "[--first SEED] [--problems N] [--fit PROBLEMS] [--second-order] [--orders PROBLEMS] [--adaptive "
+                      "PROBLEMS] [--finest PHYXELS]",
+                      bench::checkPredictions},
+                     {"organs", "[--mesh FILE] [--only TEXT] [--phyxels N]", bench::checkOrgans}},
+                    argc, argv);
 }

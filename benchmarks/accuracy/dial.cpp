@@ -89,8 +89,9 @@ struct Tried {
   AccuracySurvey survey;
 };
 
-std::optional<Tried> tried(std::uint64_t seed) {
+std::optional<Tried> tried(std::uint64_t seed, LatticeOrder order = LatticeOrder::linear) {
   Tried out{dial::randomProblem(seed), {}};
+  out.problem.recipe.sampling.order = order;
   auto survey = surveyAccuracy(out.problem.problem(), serialFor());
   if (!survey) {
     std::printf("%s: not predicted: %s\n", out.problem.name.c_str(), survey.error().c_str());
@@ -239,11 +240,11 @@ void compareOrders(Report &report, std::uint64_t first, int problems, double fin
   report.note("second over first order, in the mean: " + std::to_string(std::exp(sum / n)));
 }
 
-void fit(Report &report, std::uint64_t first, int problems, double finest) {
+void fit(Report &report, std::uint64_t first, int problems, double finest, LatticeOrder order) {
   report.table("fit", "problem; phyxels; difference:5; spacing_ratio_log=log spacing ratio; error:5; predicted:5");
   std::vector<std::array<double, 3>> rows;  // log difference, log spacing over that of the fine trial, log error
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(problems); ++seed) {
-    const auto one = tried(seed);
+    const auto one = tried(seed, order);
     if (!one) continue;
     const auto &[problem, survey] = *one;
     const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, 500);
@@ -293,6 +294,7 @@ void bench::checkPredictions(const Options &options, Report &report) {
   const auto problems = [&](const char *option) { return static_cast<int>(options.number(option, 20)); };
   if (options.has("--adaptive")) return compareAdaptive(report, first(0), problems("--adaptive"), finest);
   if (options.has("--orders")) return compareOrders(report, first(0), problems("--orders"), finest);
-  if (options.has("--fit")) return fit(report, first(0), problems("--fit"), finest);
+  const LatticeOrder order = options.has("--second-order") ? LatticeOrder::quadratic : LatticeOrder::linear;
+  if (options.has("--fit")) return fit(report, first(0), problems("--fit"), finest, order);
   checkHeldOut(report, first(kHeldOut), problems("--problems"));
 }
