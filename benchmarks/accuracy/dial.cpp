@@ -240,50 +240,63 @@ void compareOrders(Report &report, std::uint64_t first, int problems, double fin
   report.note("second over first order, in the mean: " + std::to_string(std::exp(sum / n)));
 }
 
+/// Coefficients of predictError() by least squares, for each of several weights of the difference of the orders.
+/// @param rows  differences of the survey, log of the spacing over that of the fine trial, log error
+void printFit(const std::vector<std::array<double, 4>> &rows) {
+  Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()), 3);
+  Eigen::VectorXd y(static_cast<Eigen::Index>(rows.size()));
+  for (const double weight : {0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0}) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      A.row(k) << 1.0, std::log(std::hypot(rows[i][0], weight * rows[i][1])), rows[i][2];
+      y[k] = rows[i][3];
+    }
+    const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
+    const Eigen::VectorXd off = y - A * x;
+    std::printf("kOfOrders %.2f, kConstant %.3f, kDifference %.3f, kOrder %.3f; spread", weight, x[0], x[1], x[2]);
+    for (const auto &[from, to] :
+         {std::pair(0.2, 9.0), std::pair(-0.2, 0.2), std::pair(-0.5, -0.2), std::pair(-9.0, -0.5)}) {
+      double sum = 0.0;
+      int n = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i][2] >= from && rows[i][2] < to) {
+          sum += off[static_cast<Eigen::Index>(i)] * off[static_cast<Eigen::Index>(i)];
+          ++n;
+        }
+      std::printf("; log spacing ratio %.1f … %.1f: %.2f (%d)", from, to, std::sqrt(sum / std::max(1, n)), n);
+    }
+    std::printf("\n");
+  }
+}
+
 void fit(Report &report, std::uint64_t first, int problems, double finest, LatticeOrder order) {
-  report.table("fit", "problem; phyxels; difference:5; spacing_ratio_log=log spacing ratio; error:5; predicted:5");
-  std::vector<std::array<double, 3>> rows;  // log difference, log spacing over that of the fine trial, log error
+  report.table("fit",
+               "problem; phyxels; difference:5; order_difference=between orders:5; spacing_ratio_log=log spacing "
+               "ratio; error:5; predicted:5");
+  std::vector<std::array<double, 4>> rows;
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(problems); ++seed) {
     const auto one = tried(seed, order);
     if (!one) continue;
     const auto &[problem, survey] = *one;
     const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, 500);
-    const auto truth = solveTrial(problem.problem(), static_cast<std::size_t>(finest), samples, serialFor());
+    BodyRecipe second = problem.recipe;
+    second.sampling.order = LatticeOrder::quadratic;
+    const auto truth = solveTrial({problem.shape, second, problem.constitution, problem.foundation, problem.gravity},
+                                  static_cast<std::size_t>(finest), samples, serialFor());
     if (!truth) continue;
     const auto count = static_cast<double>(automaticCount(survey.volume, survey.area));
     for (const double part : {1.0 / 7.0, 0.4, 1.0, 2.5, 6.0}) {
       if (part * count > 0.5 * finest) continue;
       const auto solved = solveTrial(problem.problem(), static_cast<std::size_t>(part * count), samples, serialFor());
       if (!solved || !(survey.difference > 0.0)) continue;
-      const double error = errorOf(*solved, *truth);
+      const double error = errorOf(*solved, *truth), ratio = std::log(solved->spacing / survey.fine.spacing);
       if (!(error > 0.0)) continue;
-      rows.push_back({std::log(survey.difference), std::log(solved->spacing / survey.fine.spacing), std::log(error)});
-      report.row({problem.name, solved->phyxels, survey.difference, rows.back()[1], error,
+      rows.push_back({survey.difference, survey.orderDifference, ratio, std::log(error)});
+      report.row({problem.name, solved->phyxels, survey.difference, survey.orderDifference, ratio, error,
                   predictError(survey, solved->spacing).share});
     }
   }
-  Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()), 3);
-  Eigen::VectorXd y(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    A.row(k) << 1.0, rows[i][0], rows[i][1];
-    y[k] = rows[i][2];
-  }
-  const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
-  const Eigen::VectorXd off = y - A * x;
-  std::printf("kConstant %.3f, kDifference %.3f, kOrder %.3f; spread", x[0], x[1], x[2]);
-  for (const auto &[from, to] :
-       {std::pair(0.2, 9.0), std::pair(-0.2, 0.2), std::pair(-0.5, -0.2), std::pair(-9.0, -0.5)}) {
-    double sum = 0.0;
-    int n = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      if (rows[i][1] >= from && rows[i][1] < to) {
-        sum += off[static_cast<Eigen::Index>(i)] * off[static_cast<Eigen::Index>(i)];
-        ++n;
-      }
-    std::printf("; log spacing ratio %.1f … %.1f: %.2f (%d)", from, to, std::sqrt(sum / std::max(1, n)), n);
-  }
-  std::printf("\n");
+  printFit(rows);
 }
 
 }  // namespace

@@ -88,3 +88,11 @@ TEST_CASE("a file that is no library is refused with the reason") {
 }
 
 TEST_CASE("the program knows where it is") { CHECK(std::filesystem::exists(executablePath())); }
+
+TEST_CASE("names that are not UTF-8 are paths of files that do not exist", "[platform]") {
+  const std::filesystem::path path = pathFromText("voxels\xff\xfe.raw");
+  CHECK(path.extension() == ".raw");
+  CHECK(!path.has_parent_path());
+  CHECK_FALSE(std::filesystem::exists(path));
+  CHECK(pathFromText("a/b\xc3\xa4.raw").filename() == std::filesystem::path(u8"b\u00e4.raw"));
+}

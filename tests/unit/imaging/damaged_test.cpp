@@ -157,7 +157,7 @@ TEST_CASE("Detached voxels cut at fifty lengths never pass for the whole", "[ima
         {"BrainProtonDensitySliceShifted13x17yDirectionPlus30.mhd",
          "BrainProtonDensitySliceShifted13x17yDirectionPlus30.zraw"}}) {
     const auto folder = emptyFolder("detached");
-    std::filesystem::copy_file(data / header, folder / header);
+    copyFile(data / header, folder / header);
     const std::string bytes = bytesOf(data / voxels);
     write(folder / voxels, bytes);
     const auto whole = readVolume(folder / header);
@@ -190,7 +190,7 @@ TEST_CASE("Headers with bytes changed give an error or an image that is whole in
     for (const char *voxels : {"BrainProtonDensitySliceBorder20.raw", "BrainProtonDensitySliceBorder20.zraw",
                                "BrainProtonDensity3Slices.raw"})
       if (std::string(file).find("detached") != std::string::npos)
-        std::filesystem::copy_file(path.parent_path() / voxels, folder / voxels);
+        copyFile(path.parent_path() / voxels, folder / voxels);
     REQUIRE(readVolume(write(folder / as, bytes)));
     ReadOptions options;
     options.memoryLimit = 64u << 20;  // the size claimed by a header is not allocated
@@ -356,7 +356,7 @@ TEST_CASE("JPEG frames with damaged headers are refused where their decoder woul
 TEST_CASE("A slice that is truncated is left out of its series and said", "[imaging]") {
   C3DE_DATA_OR_SKIP(data, "dicom/ct_head_phantom_philips_5mm");
   const auto folder = emptyFolder("series");
-  for (const char *name : {"I10", "I20", "I30", "I40", "I50"}) std::filesystem::copy_file(data / name, folder / name);
+  for (const char *name : {"I10", "I20", "I30", "I40", "I50"}) copyFile(data / name, folder / name);
   write(folder / "I30", bytesOf(data / "I30").substr(0, 300000));
   const auto loaded = readVolume(folder);
   REQUIRE(loaded);

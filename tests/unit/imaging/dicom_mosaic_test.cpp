@@ -130,7 +130,7 @@ TEST_CASE("A mosaic whose header does not suffice is refused by name", "[imaging
 TEST_CASE("A mosaic of a scanner is its 35 slices", "[imaging]") {
   C3DE_DATA_OR_SKIP(file, "found/siemens_mosaic.dcm");
   const auto folder = emptyFolder("mosaic");
-  std::filesystem::copy_file(file, folder / "mosaic.dcm");
+  copyFile(file, folder / "mosaic.dcm");
   const auto loaded = readVolume(folder);
   REQUIRE(loaded);
   const VolumeGeometry &g = loaded->volume.geometry;

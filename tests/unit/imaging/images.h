@@ -41,6 +41,11 @@ inline std::vector<std::filesystem::path> filesOf(const std::filesystem::path &f
   std::sort(all.begin(), all.end());
   return all;
 }
+/// A copy that can be changed and removed, whatever the permissions of the file.
+inline void copyFile(const std::filesystem::path &from, const std::filesystem::path &to) {
+  std::filesystem::copy_file(from, to);
+  std::filesystem::permissions(to, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+}
 /// The bytes with one text replaced by another of the same length; the case fails where it does not occur.
 inline std::string patched(std::string bytes, const std::string &from, const std::string &to) {
   REQUIRE(from.size() == to.size());

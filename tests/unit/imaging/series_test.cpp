@@ -11,7 +11,7 @@ constexpr const char *kSeries = "dicom/ct_head_phantom_philips_5mm";  // I10, I2
 /// Copies of some slices, in their own folder.
 std::filesystem::path copies(const std::filesystem::path &data, std::initializer_list<const char *> names) {
   const auto folder = emptyFolder("series");
-  for (const char *name : names) std::filesystem::copy_file(data / name, folder / name);
+  for (const char *name : names) copyFile(data / name, folder / name);
   return folder;
 }
 
@@ -69,7 +69,7 @@ TEST_CASE("A hole of many slices is refused", "[imaging]") {
 TEST_CASE("Copies of a slice are left out, another slice at its place is refused", "[imaging]") {
   C3DE_DATA_OR_SKIP(data, kSeries);
   const auto folder = copies(data, {"I10", "I20", "I30"});
-  std::filesystem::copy_file(data / "I20", folder / "again");
+  copyFile(data / "I20", folder / "again");
   const auto loaded = readVolume(folder);
   REQUIRE(loaded);
   CHECK(loaded->volume.geometry.size[2] == 3);

@@ -28,6 +28,7 @@ struct AccuracyProblem {
 struct TrialSolution {
   double spacing = 0.0;  ///< m
   std::size_t phyxels = 0, points = 0, contacts = 0;
+  std::size_t secondOrder = 0;      ///< points with functions of second order
   double stableStep = 0.0;          ///< s, explicit, at rest
   std::vector<Vec3> displacements;  ///< [samples] displacements of points of the skin, m
   double largest = 0.0;             ///< m, of `displacements`
@@ -56,10 +57,14 @@ struct TrialSolution {
 /// Result of two trial solutions of a body.
 struct AccuracySurvey {
   TrialSolution coarse, fine;
-  double volume = 0.0, area = 0.0;  ///< m³, m²
-  double largest = 0.0;             ///< m, displacement under the loads
-  double difference = 0.0;          ///< skinDifference() of the two, as a fraction of `largest`
-  Vec3 worst = Vec3::Zero();        ///< world, m, at rest: skin sample with the largest difference
+  LatticeOrder order = LatticeOrder::linear;  ///< of the trials, and of the samplings that are predicted from them
+  double volume = 0.0, area = 0.0;            ///< m³, m²
+  double largest = 0.0;                       ///< m, displacement under the loads
+  double difference = 0.0;                    ///< skinDifference() of the two, as a fraction of `largest`
+  /// Same, of the coarse trial and one of second order with the same cells: the error by cells oblique to the body. 0 if
+  /// these have no functions of second order (the lattice fits the body), or if the trials themselves are of second order
+  double orderDifference = 0.0;
+  Vec3 worst = Vec3::Zero();  ///< world, m, at rest: skin sample with the largest difference
   /// Supports, loads or both are missing: the lowest tenth of the body was held, and its weight was the load
   bool supposed = false;
 
@@ -67,7 +72,8 @@ struct AccuracySurvey {
   [[nodiscard]] double spacingFor(double phyxels) const;  ///< m, inverse of phyxelsAt()
 };
 
-/// Computes two trial solutions, in some tenths of a second: with a seventh and with two fifths of automaticCount().
+/// Computes two trial solutions, in some tenths of a second: with a seventh and with two fifths of automaticCount(), and
+/// the first of them with second order too.
 /// Errors: those of solveTrial(); trials that have nothing in common.
 [[nodiscard]] Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const ParallelFor &parallelFor,
                                                     const StopRequest *stop = nullptr);
@@ -125,7 +131,8 @@ struct AccuracyTarget {
 
 /// The cheapest sampling for a target.
 struct SamplingChoice {
-  double spacing = 0.0;  ///< m
+  LatticeOrder order = LatticeOrder::linear;  ///< of the survey
+  double spacing = 0.0;                       ///< m
   std::size_t count = 0;
   ErrorPrediction error;
   double largest = 0.0;   ///< m, to which error.share refers
@@ -137,6 +144,16 @@ struct SamplingChoice {
 
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
                                             const CostSetting &setting, const AccuracyTarget &target);
+
+/// Whether trials of second order are worth their time: the material is one that the kernels of second order support,
+/// and the choice of first order is finer than its trials and automaticCount(), or does not meet the target.
+/// @param first  of a survey of first order
+[[nodiscard]] bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first,
+                                      const Constitution &constitution, const AccuracyTarget &target);
+/// Whether second order is to be preferred: it meets a target that first order does not meet, or by a fifth less time;
+/// within a budget, and where no order meets the target, its error is smaller by a fifth.
+[[nodiscard]] bool prefersSecondOrder(const SamplingChoice &first, const SamplingChoice &second,
+                                      const AccuracyTarget &target);
 
 inline constexpr double kFrame = 1.0 / 60.0;      ///< s
 inline constexpr double kStandardError = 0.05;    ///< of AccuracyTarget::Kind::standard

@@ -67,6 +67,21 @@ Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const Surfa
   return tl::unexpected(failure);
 }
 
+/// AccuracySurvey::orderDifference.
+double orderDifference(const AccuracyProblem &problem, const TrialSolution &coarse, const SurfacePoints &samples,
+                       const ParallelFor &parallelFor, const StopRequest *stop) {
+  BodyRecipe recipe = problem.recipe;
+  if (recipe.sampling.order != LatticeOrder::linear || recipe.sampling.jitter > 0.0) return 0.0;
+  recipe.sampling = {};
+  recipe.sampling.axes = problem.recipe.sampling.axes;
+  recipe.sampling.materials = problem.recipe.sampling.materials;
+  recipe.sampling.spacing = coarse.spacing;
+  recipe.sampling.order = LatticeOrder::quadratic;
+  const auto second = solveTrial({problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity},
+                                 samples, parallelFor, stop);
+  return second && second->secondOrder > 0 ? skinDifference(coarse, *second) : 0.0;
+}
+
 Vec3 worstOf(const SurfacePoints &samples, const AccuracySurvey &survey) {
   Vec3 worst = Vec3::Zero();
   double most = -1.0;
@@ -98,6 +113,7 @@ double AccuracySurvey::spacingFor(double phyxels) const {
 Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const ParallelFor &parallelFor,
                                       const StopRequest *stop) {
   AccuracySurvey survey;
+  survey.order = problem.recipe.sampling.order;
   survey.volume = problem.shape.volume;
   survey.area = detail::areaOf(problem.shape.surface);
   BodyRecipe recipe = problem.recipe;
@@ -118,7 +134,10 @@ Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const Para
   survey.fine = std::move(tries->second);
   survey.largest = survey.fine.largest;
   survey.worst = worstOf(samples, survey);
-  if (survey.largest > 0.0) survey.difference = skinDifference(survey.coarse, survey.fine) / survey.largest;
+  if (survey.largest > 0.0) {
+    survey.difference = skinDifference(survey.coarse, survey.fine) / survey.largest;
+    survey.orderDifference = orderDifference(tried, survey.coarse, samples, parallelFor, stop) / survey.largest;
+  }
   if (!(survey.largest < kAstray * (problem.shape.max - problem.shape.min).norm()))
     return tl::unexpected(std::string("a part of it is held by nothing"));
   if (!(survey.difference < kNothingInCommon))

@@ -155,9 +155,12 @@ class Verifying {
   // Uses the finer of the two fine references that has a solution.
   [[nodiscard]] Result<FineReferenceState> fineReferenceOf(const BodyRecipe &recipe, bool fineSupports,
                                                            std::shared_ptr<const RestState> &rest) {
-    const auto filled = buildRestState(
-        shape_, fineReferenceRecipe(recipe, body_.rest().spacing, refinement_, fineSupports), {}, parallelFor_,
-        [this](double fraction) { return tell(kBuildShare * fraction, "filling the fine reference"); });
+    BodyRecipe fine = fineReferenceRecipe(recipe, body_.rest().spacing, refinement_, fineSupports);
+    // The accuracy setting may have chosen the order.
+    if (!body_.rest().stencils.quadratic.points.empty()) fine.sampling.order = LatticeOrder::quadratic;
+    const auto filled = buildRestState(shape_, fine, {}, parallelFor_, [this](double fraction) {
+      return tell(kBuildShare * fraction, "filling the fine reference");
+    });
     if (!filled)
       return refused(filled.error() == "cancelled" ? filled.error() : "its fine reference: " + filled.error());
     rest = *filled;

@@ -149,6 +149,7 @@ std::string noticeOf(const std::string &name, const AccuracyPrediction &promise)
                     : std::string();
   if (!isWished && promise.choice.unmet.empty()) return {};
   std::string text = who + "sampled with " + std::to_string(promise.choice.count) + " phyxels" +
+                     (promise.choice.order == LatticeOrder::quadratic ? " of second order" : "") +
                      (isWished ? " for " + textOf(promise.wish) : std::string()) + ", " +
                      twoDigits(promise.choice.frame_ms) + " ms a frame";
   if (promise.choice.touching_ms > 0.0) text += ", " + touchingText(promise);

@@ -22,7 +22,7 @@ constexpr std::array<c3de_str, 3> kPrecisions{str("auto"), str("double"), str("s
 constexpr std::array<c3de_str, 5> kPreconditioners{str("auto"), str("multigrid"), str("block_jacobi"),
                                                    str("incomplete"), str("factorised")};
 constexpr std::array<c3de_str, 3> kAdaptive{str("auto"), str("on"), str("off")};
-constexpr std::array<c3de_str, 2> kOrders{str("linear"), str("quadratic")};
+constexpr std::array<c3de_str, 3> kOrders{str("auto"), str("linear"), str("quadratic")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
@@ -271,10 +271,10 @@ constexpr std::array kBody{
                 {0.0, 1e4, 0.0, 0.02}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     choiceParam({"sampling.order", "Order", "",
                  "stress_points: functions of the cells that the surface cuts. linear: from their corners; quadratic: "
-                 "from rows of four phyxels, which bends alike in every direction of the lattice and costs several "
-                 "times as much",
+                 "from rows of four phyxels, which bends alike in every direction of the lattice and costs two to "
+                 "three times as much; auto: quadratic where the accuracy setting chooses it, else linear",
                  "Sampling"},
-                kOrders, "linear", C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
+                kOrders, "auto", C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     numberParam({"sampling.jitter", "Jitter", "",
                  "stress_points: phyxels inside are moved at random by up to this part of the spacing", "Sampling"},
                 {0.0, 0.3, 0.0, 0.3}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),

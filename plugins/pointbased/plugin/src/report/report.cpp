@@ -232,6 +232,7 @@ Json promiseJson(const std::string &name, const AccuracyPrediction &promise) {
   out["cost"] = promise.isMeasured ? "measured" : "predicted";
   out["spacing_m"] = choice.spacing;
   out["phyxels"] = choice.count;
+  out["order"] = choice.order == LatticeOrder::quadratic ? "quadratic" : "linear";
   out["met"] = choice.unmet.empty();
   if (!choice.unmet.empty()) out["unmet"] = choice.unmet;
   return out;

@@ -126,7 +126,7 @@ bool choosesSampling(const ParameterValues &values) {
 
 // The sampling chosen for a body before it is built.
 AccuracyPrediction predictionFor(const AccuracyProblem &problem, double area, const SamplingRequest &dial,
-                                 const ParallelFor &parallelFor, BuildRequest &request) {
+                                 bool choosesOrder, const ParallelFor &parallelFor, BuildRequest &request) {
   if (!request.report(0.02, "trying coarse samplings")) throw cancelled();
   AccuracyPrediction promise;
   promise.wish = dial.wish;
@@ -140,6 +140,19 @@ AccuracyPrediction predictionFor(const AccuracyProblem &problem, double area, co
   CostSetting setting = dial.setting;
   setting.surfels = problem.shape.surface.positions.size();
   promise.choice = chooseSampling(*promise.survey, problem.constitution, setting, dial.wish);
+  if (!choosesOrder || !mayNeedSecondOrder(*promise.survey, promise.choice, problem.constitution, dial.wish))
+    return promise;
+  if (!request.report(0.03, "trying functions of second order")) throw cancelled();
+  BodyRecipe recipe = problem.recipe;
+  recipe.sampling.order = LatticeOrder::quadratic;
+  auto second = surveyAccuracy({problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity},
+                               parallelFor, &request);
+  // None: the lattice fits the body.
+  if (!second || second->fine.secondOrder == 0) return promise;
+  SamplingChoice choice = chooseSampling(*second, problem.constitution, setting, dial.wish);
+  if (!prefersSecondOrder(promise.choice, choice, dial.wish)) return promise;
+  promise.survey = std::make_shared<const AccuracySurvey>(std::move(*second));
+  promise.choice = std::move(choice);
   return promise;
 }
 
@@ -310,8 +323,10 @@ std::unique_ptr<Body> bodyWithChosenSampling(const Making &of, BodyRecipe recipe
   const SamplingRequest &dial = of.dial;
   AccuracyPrediction &promise = out.promise.emplace();
   const double area = areaOf(of.surface);
-  promise = predictionFor(of.problem(recipe), area, dial, of.parallelFor, of.request);
+  const bool choosesOrder = of.values.text("sampling.order") == "auto" && recipe.sampling.jitter == 0.0;
+  promise = predictionFor(of.problem(recipe), area, dial, choosesOrder, of.parallelFor, of.request);
   recipe.sampling.count = promise.choice.count;
+  if (promise.survey) recipe.sampling.order = promise.choice.order;
   // Bodies without further requirements keep the automatic count.
   const auto askFor = [&of, survey = promise.survey](BodyRecipe &asked, double spacing) {
     // Coarser cells, some of which are halved, give the same number of phyxels.
