@@ -17,6 +17,7 @@
 #include "c3de/core/embedding.h"
 #include "c3de/core/environment_faults.h"
 #include "c3de/core/log.h"
+#include "c3de/core/per_thread.h"
 #include "c3de/core/text.h"
 #include "fatal_error.h"
 #include "plugin_call_environment.h"
@@ -59,10 +60,11 @@ thread_local bool hasAsked = false;
 
 /// Releases the slot of a thread at its end.
 struct Leave {
+  ThreadCalls *calls = nullptr;
   ~Leave() {
     // A thread that ends within a call, by exit(), still has to be reported.
-    if (ownCalls && ownCalls->depth.load(std::memory_order_relaxed) == 0) {
-      ownCalls->isOccupied.store(false, std::memory_order_release);
+    if (calls && calls->depth.load(std::memory_order_relaxed) == 0) {
+      calls->isOccupied.store(false, std::memory_order_release);
       ownCalls = nullptr;
     }
   }
@@ -71,15 +73,13 @@ struct Leave {
 ThreadCalls *callsOfThread() noexcept {
   if (hasAsked) return ownCalls;
   hasAsked = true;
-  thread_local detail::HandlerStack stack;
-  thread_local Leave leave;
-  (void)stack;
-  (void)leave;
+  (void)perThread<detail::HandlerStack>();
+  auto &leave = perThread<Leave>();
   for (std::size_t i = 0; i < allCalls.size(); ++i) {
     bool isOccupied = false;
     if (!allCalls[i].isOccupied.compare_exchange_strong(isOccupied, true, std::memory_order_acq_rel)) continue;
     allCalls[i].thread.store(std::this_thread::get_id(), std::memory_order_relaxed);
-    ownCalls = &allCalls[i];
+    leave.calls = ownCalls = &allCalls[i];
     std::size_t used = usedCalls.load();
     while (used < i + 1 && !usedCalls.compare_exchange_weak(used, i + 1)) {
     }

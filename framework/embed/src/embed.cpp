@@ -17,16 +17,14 @@
 #include "c3de/core/assert.h"
 #include "c3de/core/embedding.h"
 #include "c3de/core/log.h"
+#include "c3de/core/per_thread.h"
 #include "c3de/core/text.h"
 #include "c3de/session/recording_file.h"
 #include "guarded_calls.h"
 
 namespace c3de::embed {
 
-std::string &lastError() {
-  thread_local std::string text;
-  return text;
-}
+std::string &lastError() { return perThread<std::string, struct LastErrorTag>(); }
 
 namespace {
 

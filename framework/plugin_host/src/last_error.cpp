@@ -4,12 +4,14 @@
 #include <array>
 #include <utility>
 
+#include "c3de/core/per_thread.h"
+
 namespace c3de::plugin_host {
 namespace {
 
 // Per thread and not per host: a failed call and the query for its error come from the same thread, one after the
 // other.
-thread_local PluginError lastError;
+PluginError &lastError() { return perThread<PluginError>(); }
 thread_local bool callbackFailed = false;
 
 }  // namespace
@@ -18,15 +20,15 @@ bool exchangeCallbackFailed(bool value) noexcept { return std::exchange(callback
 
 void setLastError(std::string_view text) noexcept {
   try {
-    lastError = {std::string(text), {}, 0, {}};
+    lastError() = {std::string(text), {}, 0, {}};
   } catch (...) {
-    lastError = {};
+    lastError() = {};
   }
 }
 
-void setLastError(PluginError error) noexcept { lastError = std::move(error); }
+void setLastError(PluginError error) noexcept { lastError() = std::move(error); }
 
-PluginError takeLastErrorAt() noexcept { return std::exchange(lastError, PluginError()); }
+PluginError takeLastErrorAt() noexcept { return std::exchange(lastError(), PluginError()); }
 
 std::string takeLastError() noexcept {
   try {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <string>
+#include <thread>
 
 #include "c3de/core/path_text.h"
+#include "c3de/core/per_thread.h"
 #include "c3de/core/platform.h"
 #include "support/catch.h"
 
@@ -95,4 +99,23 @@ TEST_CASE("names that are not UTF-8 are paths of files that do not exist", "[pla
   CHECK(!path.has_parent_path());
   CHECK_FALSE(std::filesystem::exists(path));
   CHECK(pathFromText("a/b\xc3\xa4.raw").filename() == std::filesystem::path(u8"b\u00e4.raw"));
+}
+
+TEST_CASE("an object of a thread is made once in it and destroyed at its end", "[platform]") {
+  static std::atomic<int> made{0}, destroyed{0};
+  struct Counted {
+    std::string text = std::string(100, 'x');
+    Counted() { ++made; }
+    ~Counted() { destroyed += text.size() == 100 ? 1 : 1000; }
+  };
+  for (int i = 0; i < 20; ++i) {
+    std::thread thread([] {
+      auto *const first = &perThread<Counted>();
+      CHECK(first == &perThread<Counted>());
+      CHECK(static_cast<void *>(first) != &perThread<Counted, struct Another>());
+    });
+    thread.join();
+  }
+  CHECK(made == 40);
+  CHECK(destroyed == 40);
 }

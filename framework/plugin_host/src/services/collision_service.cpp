@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "arguments.h"
+#include "c3de/core/per_thread.h"
 #include "services/services.h"
 
 namespace c3de::plugin_host {
@@ -127,7 +128,7 @@ c3de_status C3DE_CALL sphere(void *ctx, c3de_handle tree, const double *centre3,
     requireNonNull(needed, "needed");
     if (capacity > 0) requireNonNull(out, "out");
     // Reused between queries, because this is called once per contact candidate and step.
-    thread_local std::vector<std::uint32_t> found;
+    auto &found = perThread<std::vector<std::uint32_t>, struct FoundInSphere>();
     {
       const std::shared_lock lock(shared->mutex);
       shared->tree.sphere(centre, radius, found);
@@ -147,7 +148,7 @@ c3de_status C3DE_CALL pairs(void *ctx, c3de_handle first, c3de_handle second, do
       throw Refusal(C3DE_E_ARG, fmt::format("max_distance is {}, accepted: 0 or above", maxDistance));
     requireNonNull(needed, "needed");
     if (capacity > 0) requireNonNull(out2, "out2");
-    thread_local std::vector<std::array<std::uint32_t, 2>> found;
+    auto &found = perThread<std::vector<std::array<std::uint32_t, 2>>, struct FoundPairs>();
     {
       // Shared locks in a fixed order: a refit waiting between the two would block both.
       const std::shared_lock lower((a.get() < b.get() ? a : b)->mutex);

@@ -12,13 +12,18 @@
 namespace pointbased {
 namespace {
 
-// Fitted to random bodies, bench_dial --fit:
-// log error = kConstant + kDifference log(difference) + kOrder log(spacing / spacing of the fine trial)
-constexpr double kConstant = -0.07, kDifference = 1.10, kOrder = 1.23;
-constexpr double kSpread = 0.42;        // standard deviation of log error near the fine trial
-constexpr double kSpreadPerWay = 0.25;  // additional, per log of the extrapolation to finer spacings
-constexpr double kSpreadBeyond = 0.6;   // additional, per log of the extrapolation to spacings coarser than any trial
-constexpr double kNineOfTen = 1.645;    // standard deviations, both sides
+// Fitted to random bodies, bench_accuracy dial --fit 30 [--second-order]:
+// log error = constant + difference log(hypot(difference of the trials, kOfOrders difference of the orders))
+//             + order log(spacing / spacing of the fine trial)
+struct ErrorModel {
+  double constant, difference, order;
+  double spread;  // standard deviation of log error near the fine trial
+};
+constexpr ErrorModel kFirstOrder{0.08, 1.14, 0.98, 0.41}, kSecondOrder{-0.41, 1.02, 1.31, 0.62};
+constexpr double kOfOrders = 0.5;
+constexpr double kSpreadPerWay = 0.3;  // additional, per log of the extrapolation to finer spacings
+constexpr double kSpreadBeyond = 0.6;  // additional, per log of the extrapolation to spacings coarser than any trial
+constexpr double kNineOfTen = 1.645;   // standard deviations, both sides
 constexpr double kMinDifference = 1e-5;
 // Time of an implicit step in contact, relative to one without contact: bench_contact --pressed, 13 … 31.
 constexpr double kTouchingImplicitly = 20.0;
@@ -83,10 +88,13 @@ std::string errorUnmet(const SamplingChoice &choice, const Limits &limits, bool 
 }  // namespace
 
 ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
+  const ErrorModel &model = survey.order == LatticeOrder::quadratic ? kSecondOrder : kFirstOrder;
   const double way = std::log(spacing / survey.fine.spacing);
-  const double log = kConstant + kDifference * std::log(std::max(survey.difference, kMinDifference)) + kOrder * way;
+  const double difference = std::hypot(survey.difference, kOfOrders * survey.orderDifference);
+  const double log =
+      model.constant + model.difference * std::log(std::max(difference, kMinDifference)) + model.order * way;
   const double beyond = std::max(0.0, std::log(spacing / survey.coarse.spacing));
-  const double spread = kSpread + kSpreadPerWay * std::max(0.0, -way) + kSpreadBeyond * beyond;
+  const double spread = model.spread + kSpreadPerWay * std::max(0.0, -way) + kSpreadBeyond * beyond;
   ErrorPrediction out;
   out.share = std::exp(log);
   out.low = std::exp(log - kNineOfTen * spread);

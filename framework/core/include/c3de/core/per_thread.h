@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace c3de {
+
+#if defined(_WIN32)
+namespace detail {
+
+/// A pointer per thread, with a function that is called at the end of each thread that has set it.
+class ThreadKey {
+ public:
+  explicit ThreadKey(void (*destroy)(void *)) noexcept;
+  ~ThreadKey();
+  ThreadKey(const ThreadKey &) = delete;
+  ThreadKey &operator=(const ThreadKey &) = delete;
+  [[nodiscard]] void *get() const noexcept;
+  void set(void *value) const noexcept;
+
+ private:
+  unsigned long index_;
+};
+
+}  // namespace detail
+#endif
+
+/// An object of each thread, created by the first call in it and destroyed at its end.
+///
+/// For types with a destructor in place of thread_local: MinGW frees the emulated storage of a thread before it runs
+/// the destructors of the objects in it.
+/// @tparam Tag  distinguishes objects of the same type
+/// @threads any
+template <class T, class Tag = T>
+[[nodiscard]] T &perThread() {
+#if defined(_WIN32)
+  static const detail::ThreadKey key([](void *object) { delete static_cast<T *>(object); });
+  if (void *known = key.get()) return *static_cast<T *>(known);
+  T *made = new T;
+  key.set(made);
+  return *made;
+#else
+  thread_local T object;
+  return object;
+#endif
+}
+
+}  // namespace c3de
