@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // [accuracy] of a scene: the target, the chosen sampling, the predictions of the report, and all invalid settings.
+#include <fmt/format.h>
+
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -39,6 +42,30 @@ Json reportOf(const fs::path &folder, const fs::path &scene, const std::vector<s
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   return Json::parse(readFile(file));
+}
+
+/// A quarter of a ring in the plane z = 0, m: mean radius 0.06, section 0.02 x 0.02.
+std::string ringObj() {
+  constexpr int kAround = 24, kAcross = 4;
+  std::string out;
+  for (int i = 0; i <= kAround; ++i)
+    for (int k = 0; k < 4 * kAcross; ++k) {
+      const double angle = 0.5 * 3.141592653589793 * i / kAround, along = 0.02 * (k % kAcross) / kAcross - 0.01;
+      const double u[] = {along, 0.01, -along, -0.01}, v[] = {-0.01, along, 0.01, -along};
+      const double radius = 0.06 + u[k / kAcross];
+      out += fmt::format("v {} {} {}\n", radius * std::cos(angle), radius * std::sin(angle), v[k / kAcross]);
+    }
+  const int n = 4 * kAcross;
+  for (int i = 0; i < kAround; ++i)
+    for (int k = 0; k < n; ++k)
+      out += fmt::format("f {} {} {} {}\n", i * n + k + 1, i * n + (k + 1) % n + 1, (i + 1) * n + (k + 1) % n + 1,
+                         (i + 1) * n + k + 1);
+  std::string first = "f", last = "f";
+  for (int k = 0; k < n; ++k) {
+    first += fmt::format(" {}", n - k);
+    last += fmt::format(" {}", kAround * n + k + 1);
+  }
+  return out + first + "\n" + last + "\n";
 }
 
 /// Whether other programs use more than half of a processor at the same time; true where that is unknown.
@@ -284,4 +311,43 @@ TEST_CASE("Where nothing is known to act on a body its cells stay of one size, a
   const auto wrong = runC3de({"run", scene.string(), "--set", "body.beam.sampling.adaptive=yes"});
   CHECK(wrong.exitCode == 2);
   CHECK_THAT(wrong.errorOutput, Contains("auto | on | off"));
+}
+
+TEST_CASE("A ring that bends across its lattice has functions of second order where these cost less") {
+  const auto folder = freshFolder("accuracy-order");
+  writeFile(folder / "ring.obj", ringObj());
+  const fs::path scene = writeFile(folder / "ring.toml", R"(format = 1
+[solver]
+integrator = "quasistatic"
+[world]
+gravity = [0.0, -9.81, 0.0]
+[[body]]
+name = "ring"
+mesh = "ring.obj"
+mesh_unit = "m"
+material = { law = "neo_hookean", youngs_modulus = 1e5, poisson_ratio = 0.3, density = 1000.0 }
+[[fix]]
+region = { box = { min = [-1, -1, -1], max = [1, 1e-6, 1] } }
+[[probe]]
+name = "tip"
+at = [0.0005, 0.06, 0.0]
+)");
+  const auto tip = [](const Json &report) {
+    return report["probes"][0]["position_m"][1].get<double>() - report["probes"][0]["reference_m"][1].get<double>();
+  };
+  const Json chosen = reportOf(folder, scene, {"--set", "accuracy.error_percent=1"});
+  const Json &body = chosen["accuracy"]["bodies"][0];
+  CHECK(body["order"] == "quadratic");
+  CHECK(body["met"] == true);
+  CHECK(body["phyxels"] < 1500);
+  const double truth = tip(reportOf(
+      folder, scene, {"--set", "body.ring.sampling.count=3000", "--set", "body.ring.sampling.order=quadratic"}));
+  CHECK_THAT(tip(chosen), WithinRel(truth, 0.01));
+  // First order needs several times as many phyxels for that.
+  const Json linear = reportOf(
+      folder, scene, {"--set", "accuracy.error_percent=1", "--set", "body.ring.sampling.order=linear", "--steps", "1"});
+  CHECK(linear["accuracy"]["bodies"][0]["order"] == "linear");
+  CHECK(linear["accuracy"]["bodies"][0]["phyxels"] > 3 * body["phyxels"].get<int>());
+  const Json coarse = reportOf(folder, scene, {"--set", "body.ring.sampling.count=206"});
+  CHECK(std::abs(tip(coarse) / truth - 1.0) > 0.05);
 }
