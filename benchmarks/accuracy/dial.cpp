@@ -126,7 +126,7 @@ void checkHeldOut(Report &report, std::uint64_t first, int problems) {
     SamplingChoice choice = chooseSampling(survey, problem.constitution, setting, target);
     if (mayNeedSecondOrder(survey, choice, problem.constitution, target)) {
       const auto second = tried(seed, LatticeOrder::quadratic);
-      if (second && second->survey.fine.secondOrder > 0) {
+      if (second && second->survey.fine.quadraticPoints > 0) {
         AccuracySurvey scaled = second->survey;
         scaled.largest *= factor;
         const SamplingChoice other = chooseSampling(scaled, problem.constitution, setting, target);
@@ -212,7 +212,8 @@ void compareAdaptive(Report &report, std::uint64_t first, int problems, double f
               ", over 1.68 times as many: " + std::to_string(std::exp(sumDearer / n)));
 }
 
-/// Errors, steps and solution times of first and second order with the same spacing. The truth is of second order.
+/// Errors, steps and solution times of first and second order with the same spacing. The reference solution has
+/// quadratic functions.
 void compareOrders(Report &report, std::uint64_t first, int problems, double finest) {
   report.table("orders",
                "problem; phyxels; difference:4; order_difference=between orders:4; linear_percent=first order %:2; "
@@ -267,7 +268,8 @@ void printFit(const std::vector<std::array<double, 4>> &rows) {
     }
     const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
     const Eigen::VectorXd off = y - A * x;
-    std::printf("kOfOrders %.2f, kConstant %.3f, kDifference %.3f, kOrder %.3f; spread", weight, x[0], x[1], x[2]);
+    std::printf("kOrderDifferenceWeight %.2f, kConstant %.3f, kDifference %.3f, kOrder %.3f; spread", weight, x[0],
+                x[1], x[2]);
     for (const auto &[from, to] :
          {std::pair(0.2, 9.0), std::pair(-0.2, 0.2), std::pair(-0.5, -0.2), std::pair(-9.0, -0.5)}) {
       double sum = 0.0;

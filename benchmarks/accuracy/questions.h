@@ -13,11 +13,11 @@ namespace bench {
 ///           error of that reference is added by the order of the model
 ///   cost    the time per frame of the body in half a second of explicit steps under its loads, against the
 ///           time measured when it was built
-/// --fit: errors of linear solutions of seven samplings of each body against a fine one, and the coefficients of the
-/// model by least squares. Those in choose_sampling.cpp are from seeds 0 … 29. --orders: errors of linear solutions of
-/// first and second order against a fine one of second order. --adaptive: errors of linear solutions
-/// with cells of uniform size, of the same number of cells some of which are halved (adaptSampling()), and of 1.68
-/// times as many cells of uniform size.
+/// --fit: errors of solutions with the linear law at up to five samplings of each body against a fine one, and the
+/// coefficients of the model by least squares. Those in choose_sampling.cpp are from seeds 0 … 29. --second-order: for
+/// quadratic functions. --orders: errors of both orders against a fine solution with quadratic functions. --adaptive:
+/// errors of solutions with cells of uniform size, of the same number of cells some of which are halved
+/// (adaptSampling()), and of 1.68 times as many cells of uniform size.
 void checkPredictions(const Options &options, Report &report);
 
 /// Compares the errors of organs at the default sampling with the predicted errors.

@@ -350,4 +350,15 @@ at = [0.0005, 0.06, 0.0]
   CHECK(linear["accuracy"]["bodies"][0]["phyxels"] > 3 * body["phyxels"].get<int>());
   const Json coarse = reportOf(folder, scene, {"--set", "body.ring.sampling.count=206"});
   CHECK(std::abs(tip(coarse) / truth - 1.0) > 0.05);
+
+  // The same phyxels with other functions are another body.
+  const fs::path state = folder / "ring.state";
+  const auto with = [&](const char *target, const char *option) {
+    return runC3de({"run", scene.string(), "--set", target, "--steps", "1", option, state.string()});
+  };
+  REQUIRE(with("accuracy.error_percent=3", "--save-state").exitCode == 0);
+  CHECK(with("accuracy.error_percent=3", "--from-state").exitCode == 0);
+  const auto refused = with("accuracy.error_percent=30", "--from-state");
+  CHECK(refused.exitCode != 0);
+  CHECK_THAT(refused.errorOutput, Contains("points of second order"));
 }

@@ -65,7 +65,7 @@ struct Leave {
     // A thread that ends within a call, by exit(), still has to be reported.
     if (calls && calls->depth.load(std::memory_order_relaxed) == 0) {
       calls->isOccupied.store(false, std::memory_order_release);
-      ownCalls = nullptr;
+      if (ownCalls == calls) ownCalls = nullptr;
     }
   }
 };

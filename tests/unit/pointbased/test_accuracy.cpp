@@ -293,7 +293,7 @@ Cantilever obliqueCantilever() {
   return cantilever;
 }
 
-double lengthError(const AccuracySurvey &survey, const TrialSolution &truth) {
+double relativeError(const AccuracySurvey &survey, const TrialSolution &truth) {
   return skinDifference(survey.fine, truth) / truth.largest;
 }
 
@@ -316,8 +316,8 @@ TEST_CASE("the error of cells oblique to a body is part of the prediction") {
   REQUIRE(truth.has_value());
   const ErrorPrediction predicted = predictError(survey, survey.fine.spacing);
   INFO(predicted.low << " … " << predicted.high);
-  CHECK(lengthError(survey, *truth) >= predicted.low);
-  CHECK(lengthError(survey, *truth) <= predicted.high);
+  CHECK(relativeError(survey, *truth) >= predicted.low);
+  CHECK(relativeError(survey, *truth) <= predicted.high);
 }
 
 TEST_CASE("second order is chosen where it costs less for the same error") {
@@ -327,7 +327,7 @@ TEST_CASE("second order is chosen where it costs less for the same error") {
   turned.recipe.sampling.order = LatticeOrder::quadratic;
   const AccuracySurvey second = turned.survey();
   CHECK(second.order == LatticeOrder::quadratic);
-  CHECK(second.fine.secondOrder > 0);
+  CHECK(second.fine.quadraticPoints > 0);
   CHECK(second.orderDifference == 0.0);
   CHECK(second.difference < first.difference);
   const auto chosen = [&](const AccuracySurvey &survey, const AccuracyTarget &target) {
@@ -341,15 +341,23 @@ TEST_CASE("second order is chosen where it costs less for the same error") {
     CHECK_FALSE(prefersSecondOrder(chosen(second, target), chosen(first, target), target));
   }
   CHECK_FALSE(mayNeedSecondOrder(first, chosen(first, loose), oblique.constitution, loose));
-  // Their kernels support no flow.
+  // Kernels of quadratic functions do not support plastic flow.
   Constitution flowing = oblique.constitution;
   flowing.materials.front().plastic.yield = 0.1;
   flowing.materials.front().plastic.creep = 0.5;
   CHECK_FALSE(mayNeedSecondOrder(first, chosen(first, error), flowing, error));
 
-  // An error that is met by one of both.
+  // Only one of the two meets the target.
   SamplingChoice met, unmet;
   unmet.unmet = "too large";
   CHECK(prefersSecondOrder(unmet, met, error));
   CHECK_FALSE(prefersSecondOrder(met, unmet, error));
+  // A smaller error is no reason to exceed the time.
+  const AccuracyTarget standard{AccuracyTarget::Kind::standard, 1.0};
+  SamplingChoice inTime = unmet, late = unmet;
+  inTime.error.share = 0.07;
+  late.error.share = 0.03;
+  late.isInTime = false;
+  CHECK_FALSE(prefersSecondOrder(inTime, late, standard));
+  CHECK(prefersSecondOrder(late, inTime, standard));
 }

@@ -471,7 +471,7 @@ TEST_CASE("cost of second order", "[.cost]") {
 }
 
 TEST_CASE("second order: corners with little material do not shorten explicit steps") {
-  // 0.94, 0.88 and 0.93 were measured, 0.26 to 0.5 in bodies where light corners count.
+  // Ratios of 0.93, 0.85 and 0.97 were measured, 0.26 to 0.5 in bodies where corners with little material count.
   for (const int degrees : {0, 25, 50}) {
     const Mat3 turn = rotation(2, degrees);
     std::array<double, 2> stable{};
@@ -508,9 +508,11 @@ TEST_CASE("second order: blocks that fall on a floor stay finite and gain no ene
         while (simulator.time() < 0.25) {
           REQUIRE(simulator.step());
           const Diagnostics::Energy e = simulator.diagnostics().energy(id);
+          REQUIRE(std::isfinite(e.kinetic + e.elastic + e.stabilisation + e.gravity));
           most = std::max(most, e.kinetic + e.elastic + e.stabilisation + e.gravity);
         }
         const Body &body = *simulator.body(id);
+        REQUIRE((count < 20 || !body.rest().stencils.quadratic.points.empty()));
         double mass = 0.0, height = 0.0;
         for (std::size_t i = 0; i < body.masses().size(); ++i) {
           mass += body.masses()[i];
@@ -520,7 +522,7 @@ TEST_CASE("second order: blocks that fall on a floor stay finite and gain no ene
         CHECK(std::isfinite(height));
         // At 100 Pa it becomes a layer thinner than a cell, whose lower corners are below the floor.
         if (E > 1e3) CHECK(height > -0.06 * mass);
-        // Of the 0.14 J that a fall by 3 cm releases; it starts at zero.
+        // Of the 0.14 J that a fall by 3 cm releases; the total energy starts at zero.
         CHECK(most < 1e-3 * 0.14);
       }
 }

@@ -6,11 +6,11 @@ namespace c3de {
 #if defined(_WIN32)
 namespace detail {
 
-/// A pointer per thread, with a function that is called at the end of each thread that has set it.
+/// A pointer per thread. The function is called for it at the end of each thread that has set it. Never freed: threads
+/// may end while the process does.
 class ThreadKey {
  public:
   explicit ThreadKey(void (*destroy)(void *)) noexcept;
-  ~ThreadKey();
   ThreadKey(const ThreadKey &) = delete;
   ThreadKey &operator=(const ThreadKey &) = delete;
   [[nodiscard]] void *get() const noexcept;
@@ -23,7 +23,8 @@ class ThreadKey {
 }  // namespace detail
 #endif
 
-/// An object of each thread, created by the first call in it and destroyed at its end.
+/// An object of each thread, made by its default constructor in the first call in the thread and destroyed at the end
+/// of the thread.
 ///
 /// For types with a destructor in place of thread_local: MinGW frees the emulated storage of a thread before it runs
 /// the destructors of the objects in it.
@@ -32,7 +33,7 @@ class ThreadKey {
 template <class T, class Tag = T>
 [[nodiscard]] T &perThread() {
 #if defined(_WIN32)
-  static const detail::ThreadKey key([](void *object) { delete static_cast<T *>(object); });
+  static const auto &key = *new detail::ThreadKey([](void *object) { delete static_cast<T *>(object); });
   if (void *known = key.get()) return *static_cast<T *>(known);
   T *made = new T;
   key.set(made);

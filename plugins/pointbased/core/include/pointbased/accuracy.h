@@ -28,7 +28,7 @@ struct AccuracyProblem {
 struct TrialSolution {
   double spacing = 0.0;  ///< m
   std::size_t phyxels = 0, points = 0, contacts = 0;
-  std::size_t secondOrder = 0;      ///< points with functions of second order
+  std::size_t quadraticPoints = 0;  ///< points with quadratic functions
   double stableStep = 0.0;          ///< s, explicit, at rest
   std::vector<Vec3> displacements;  ///< [samples] displacements of points of the skin, m
   double largest = 0.0;             ///< m, of `displacements`
@@ -54,15 +54,16 @@ struct TrialSolution {
 /// Difference of two solutions on the skin, m: the 95th percentile over the samples.
 [[nodiscard]] double skinDifference(const TrialSolution &a, const TrialSolution &b);
 
-/// Result of two trial solutions of a body.
+/// Result of the trial solutions of a body.
 struct AccuracySurvey {
   TrialSolution coarse, fine;
   LatticeOrder order = LatticeOrder::linear;  ///< of the trials, and of the samplings that are predicted from them
   double volume = 0.0, area = 0.0;            ///< m³, m²
   double largest = 0.0;                       ///< m, displacement under the loads
   double difference = 0.0;                    ///< skinDifference() of the two, as a fraction of `largest`
-  /// Same, of the coarse trial and one of second order with the same cells: the error by cells oblique to the body. 0 if
-  /// these have no functions of second order (the lattice fits the body), or if the trials themselves are of second order
+  /// skinDifference() of the coarse trial and of the same cells with quadratic functions, as a fraction of `largest`:
+  /// the error due to cells oblique to the body. 0: the trials themselves have these functions, or no cell has them (the
+  /// lattice fits the body), or jitter, or no solution
   double orderDifference = 0.0;
   Vec3 worst = Vec3::Zero();  ///< world, m, at rest: skin sample with the largest difference
   /// Supports, loads or both are missing: the lowest tenth of the body was held, and its weight was the load
@@ -72,8 +73,8 @@ struct AccuracySurvey {
   [[nodiscard]] double spacingFor(double phyxels) const;  ///< m, inverse of phyxelsAt()
 };
 
-/// Computes two trial solutions, in some tenths of a second: with a seventh and with two fifths of automaticCount(), and
-/// the first of them with second order too.
+/// Computes trial solutions, in some tenths of a second: with a seventh and with two fifths of automaticCount(), and
+/// the first of them with quadratic functions too.
 /// Errors: those of solveTrial(); trials that have nothing in common.
 [[nodiscard]] Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const ParallelFor &parallelFor,
                                                     const StopRequest *stop = nullptr);
@@ -85,7 +86,8 @@ struct ErrorPrediction {
   double likely = 0.0;           ///< five of six are below
 };
 
-/// Uses a model fitted to random bodies (bench_dial --fit). From the difference of the trials and the ratio of the
+/// Uses a model fitted to random bodies (bench_accuracy dial --fit), of each order. From the differences of the trials
+/// and the ratio of the
 /// requested spacing to theirs: log e = a + b log difference + p log(spacing / spacing of the fine trial).
 [[nodiscard]] ErrorPrediction predictError(const AccuracySurvey &survey, double spacing);
 
@@ -131,7 +133,7 @@ struct AccuracyTarget {
 
 /// The cheapest sampling for a target.
 struct SamplingChoice {
-  LatticeOrder order = LatticeOrder::linear;  ///< of the survey
+  LatticeOrder order = LatticeOrder::linear;  ///< of the functions of cells
   double spacing = 0.0;                       ///< m
   std::size_t count = 0;
   ErrorPrediction error;
@@ -139,7 +141,8 @@ struct SamplingChoice {
   double frame_ms = 0.0;  ///< predictCost() or measureFrame()
   /// predictTouching(); a budget includes it
   double touching_ms = 0.0;
-  std::string unmet;  ///< empty: the target is met; else the reason, and what is possible
+  bool isInTime = true;  ///< within the time of the target, or of the default; true: it has none
+  std::string unmet;     ///< empty: the target is met; else the reason, and what is possible
 };
 
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
@@ -150,8 +153,9 @@ struct SamplingChoice {
 /// @param first  of a survey of first order
 [[nodiscard]] bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first,
                                       const Constitution &constitution, const AccuracyTarget &target);
-/// Whether second order is to be preferred: it meets a target that first order does not meet, or by a fifth less time;
-/// within a budget, and where no order meets the target, its error is smaller by a fifth.
+/// Whether second order is to be preferred: only it meets the target, or it takes less than 0.8 of the time. For a budget,
+/// or if neither meets the target: only it is within the time, or its error is less than 0.8 of that of first order. If
+/// neither is within the time: it is faster.
 [[nodiscard]] bool prefersSecondOrder(const SamplingChoice &first, const SamplingChoice &second,
                                       const AccuracyTarget &target);
 

@@ -27,7 +27,7 @@ struct AdaptiveSampling {
 ///
 /// Where a tenth of the cells has most of the squared error, halving them removes more of it than uniform cells that
 /// are 1.2 times finer. Such cells are found at borders of held, moved or loaded parts, in thin necks, and at edges of
-/// stiff parts. Where the error is even, the sampling is not changed; the bound of `share` is from bench_dial
+/// stiff parts. Where the error is even, the sampling is not changed; the bound of `share` is from bench_accuracy dial
 /// --adaptive.
 ///
 /// Errors: those of buildRestState(); no equilibrium.

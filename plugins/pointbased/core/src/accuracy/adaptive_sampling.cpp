@@ -13,8 +13,8 @@ namespace pointbased {
 namespace {
 
 constexpr double kBasePart = 0.6;  // of the requested phyxels, before cells are halved
-// Least share of the error in halved cells. bench_dial --adaptive, 24 random bodies: from here on the error is smaller
-// than that of the same number of cells of one size.
+// Least share of the error in halved cells. From here on the error is smaller than that of the same number of cells of
+// one size (bench_accuracy dial --adaptive, 24 random bodies).
 constexpr double kMinShare = 0.72;
 
 using Place = FinerCells::Place;

@@ -13,14 +13,14 @@ namespace pointbased {
 namespace {
 
 // Fitted to random bodies, bench_accuracy dial --fit 30 [--second-order]:
-// log error = constant + difference log(hypot(difference of the trials, kOfOrders difference of the orders))
+// log error = constant + difference log(hypot(d_trials, kOrderDifferenceWeight d_orders))
 //             + order log(spacing / spacing of the fine trial)
 struct ErrorModel {
-  double constant, difference, order;
-  double spread;  // standard deviation of log error near the fine trial
+  double constant, difference, order;  // `difference` and `order` are exponents
+  double spread;                       // standard deviation of log error near the fine trial
 };
 constexpr ErrorModel kFirstOrder{0.08, 1.14, 0.98, 0.41}, kSecondOrder{-0.41, 1.02, 1.31, 0.62};
-constexpr double kOfOrders = 0.5;
+constexpr double kOrderDifferenceWeight = 0.5;
 constexpr double kSpreadPerWay = 0.3;  // additional, per log of the extrapolation to finer spacings
 constexpr double kSpreadBeyond = 0.6;  // additional, per log of the extrapolation to spacings coarser than any trial
 constexpr double kNineOfTen = 1.645;   // standard deviations, both sides
@@ -30,9 +30,9 @@ constexpr double kTouchingImplicitly = 20.0;
 // Evaluations of a quasi-static solution: 650 to 1000 in one increment (bench_newton), 1200 to 2300 of a cantilever of
 // 500 to 10 000 phyxels in ten.
 constexpr double kEvaluationsToRest = 600.0, kEvaluationsPerIncrement = 120.0;
-// Additional time of a point of second order, in points: forces take 2.3 times as long where four fifths of the points
-// are of second order, and 2.35 times where six tenths are (test_pointbased "cost of second order").
-constexpr double kOfSecondOrder = 2.0;
+// Additional time of a quadratic point, in points: forces take 2.5 times as long where four fifths of the points are
+// quadratic, and 2.4 times where six tenths are (test_pointbased "cost of second order").
+constexpr double kExtraCostOfQuadraticPoint = 2.0;
 constexpr double kWorthwhile = 0.8;  // part of the time, or of the error, that second order may have to be preferred
 
 /// Relative time of a substep for materials with history, or with a law that is not one of the kernels' (bench_scaling,
@@ -88,9 +88,9 @@ std::string errorUnmet(const SamplingChoice &choice, const Limits &limits, bool 
 }  // namespace
 
 ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
-  const ErrorModel &model = survey.order == LatticeOrder::quadratic ? kSecondOrder : kFirstOrder;
+  const ErrorModel &model = survey.fine.quadraticPoints > 0 ? kSecondOrder : kFirstOrder;
   const double way = std::log(spacing / survey.fine.spacing);
-  const double difference = std::hypot(survey.difference, kOfOrders * survey.orderDifference);
+  const double difference = std::hypot(survey.difference, kOrderDifferenceWeight * survey.orderDifference);
   const double log =
       model.constant + model.difference * std::log(std::max(difference, kMinDifference)) + model.order * way;
   const double beyond = std::max(0.0, std::log(spacing / survey.coarse.spacing));
@@ -119,10 +119,10 @@ Frame frameAt(const AccuracySurvey &survey, const Constitution &constitution, co
   const WorldSettings &world = setting.world;
   const double finer = survey.fine.spacing / spacing;
   Frame frame;
-  // Cells that the surface cuts have functions of second order.
+  // The number of quadratic points grows as that of cut cells, as d^-2.
   const double points =
       static_cast<double>(survey.fine.points) * survey.phyxelsAt(spacing) / static_cast<double>(survey.fine.phyxels) +
-      kOfSecondOrder * static_cast<double>(survey.fine.secondOrder) * finer * finer;
+      kExtraCostOfQuadraticPoint * static_cast<double>(survey.fine.quadraticPoints) * finer * finer;
   frame.contacts = static_cast<double>(survey.fine.contacts) * finer * finer;
   const double stable = kStepSafety * survey.fine.stableStep / finer;
   frame.evaluation_ms = 1e-6 * materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);
@@ -197,10 +197,10 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   out.frame_ms = costAt(out.spacing);
   out.touching_ms = predictTouching(survey, constitution, setting, out.spacing);
   const double whole_ms = out.frame_ms + touchingAt(out.spacing);
-  const bool isWithin = isStatic || 1e-3 * whole_ms <= limits.budget;
+  out.isInTime = isStatic || 1e-3 * whole_ms <= limits.budget;
   if (target.kind != AccuracyTarget::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
     out.unmet = errorUnmet(out, limits, forBudget > finest);
-  if (!isWithin)
+  if (!out.isInTime)
     out.unmet = detail::number(1e3 * limits.budget, 3) + " ms a frame cannot be had; expected are " +
                 detail::number(whole_ms, 3) + " ms with " + std::to_string(out.count) + " phyxels";
   return out;
@@ -220,9 +220,11 @@ bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &firs
 
 bool prefersSecondOrder(const SamplingChoice &first, const SamplingChoice &second, const AccuracyTarget &target) {
   const bool isMet = first.unmet.empty(), isMetBySecond = second.unmet.empty();
+  const double time = first.frame_ms + first.touching_ms, ofSecond = second.frame_ms + second.touching_ms;
   if (isMet != isMetBySecond) return isMetBySecond;
-  if (isMet && target.kind != AccuracyTarget::Kind::budget)
-    return second.frame_ms + second.touching_ms < kWorthwhile * (first.frame_ms + first.touching_ms);
+  if (isMet && target.kind != AccuracyTarget::Kind::budget) return ofSecond < kWorthwhile * time;
+  if (first.isInTime != second.isInTime) return second.isInTime;
+  if (!first.isInTime) return ofSecond < time;
   return second.error.share < kWorthwhile * first.error.share;
 }
 

@@ -67,7 +67,8 @@ Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const Surfa
   return tl::unexpected(failure);
 }
 
-/// AccuracySurvey::orderDifference.
+/// m: skinDifference() of the coarse trial and of the same cells with quadratic functions. 0: jitter, no solution, or
+/// no cell with these functions.
 double orderDifference(const AccuracyProblem &problem, const TrialSolution &coarse, const SurfacePoints &samples,
                        const ParallelFor &parallelFor, const StopRequest *stop) {
   BodyRecipe recipe = problem.recipe;
@@ -79,7 +80,7 @@ double orderDifference(const AccuracyProblem &problem, const TrialSolution &coar
   recipe.sampling.order = LatticeOrder::quadratic;
   const auto second = solveTrial({problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity},
                                  samples, parallelFor, stop);
-  return second && second->secondOrder > 0 ? skinDifference(coarse, *second) : 0.0;
+  return second && second->quadraticPoints > 0 ? skinDifference(coarse, *second) : 0.0;
 }
 
 Vec3 worstOf(const SurfacePoints &samples, const AccuracySurvey &survey) {

@@ -119,7 +119,7 @@ Result<TrialSolution> solveTrial(const AccuracyProblem &problem, const SurfacePo
   out.spacing = rest.spacing;
   out.phyxels = rest.phyxelCount();
   out.points = rest.pointCount();
-  out.secondOrder = rest.stencils.quadratic.points.size();
+  out.quadraticPoints = rest.stencils.quadratic.points.size();
   out.contacts = rest.contact.count();
   out.stableStep = body.stableStepAtRest();
   out.displacements = displacementsAt(rest, body.state().displacements, samples, parallelFor);

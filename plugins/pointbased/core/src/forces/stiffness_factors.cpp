@@ -59,8 +59,8 @@ Elastic elasticOf(const Material &material, double viscosity, const Mat3 &F) {
 }
 
 // b of the entries of a point, of which the first is at `at`.
-void findSlopes(const StencilSet &s, std::size_t q, const QuadraticPoints::Point &point, const Mat3 &F, bool isLinear,
-                const ModeRows &modes, float *at, std::size_t width) {
+void findStrainGradients(const StencilSet &s, std::size_t q, const QuadraticPoints::Point &point, const Mat3 &F,
+                         bool isLinear, const ModeRows &modes, float *at, std::size_t width) {
   const Eigen::SelfAdjointEigenSolver<Mat3> covariance(s.volumes[q] * point.covariance);
   const Mat3 roots = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   const Mat3 turn = isLinear ? s.axes : Mat3(std::sqrt(F.squaredNorm() / 3.0) * polar(F).R * s.axes);
@@ -71,7 +71,8 @@ void findSlopes(const StencilSet &s, std::size_t q, const QuadraticPoints::Point
     Mat3 second;
     second << (*bends)[0], mixed[0], mixed[1], mixed[0], (*bends)[1], mixed[2], mixed[1], mixed[2], (*bends)[2];
     const Mat3 b = turn * second * roots;
-    for (std::size_t k = 0; k < StiffnessFactors::kSlopes; ++k) at[k * width] = static_cast<float>(b.data()[k]);
+    for (std::size_t k = 0; k < StiffnessFactors::kStrainGradientNumbers; ++k)
+      at[k * width] = static_cast<float>(b.data()[k]);
   }
 }
 
@@ -84,14 +85,14 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
     out.first[q] = count;
     const std::size_t numbers =
-        StiffnessFactors::kNumbers + (s.quadratic.find(q) != nullptr ? StiffnessFactors::kSlopes : 0);
+        StiffnessFactors::kNumbers + (s.quadratic.find(q) != nullptr ? StiffnessFactors::kStrainGradientNumbers : 0);
     count += numbers * StiffnessFactors::width(s.phyxels.row(q).size());
   }
   out.numbers.assign(count, 0.0F);
   out.lambda.resize(s.pointCount());
   out.mu.resize(s.pointCount());
-  out.slopeLambda.assign(s.quadratic.of.empty() ? 0 : s.pointCount(), 0.0F);
-  out.slopeMu.assign(out.slopeLambda.size(), 0.0F);
+  out.strainGradientLambda.assign(s.quadratic.of.empty() ? 0 : s.pointCount(), 0.0F);
+  out.strainGradientMu.assign(out.strainGradientLambda.size(), 0.0F);
   const Laminates laminates = findLaminates(s, constitution);
   const bool hasModes = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
@@ -119,8 +120,8 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
         if (material.law != MaterialLaw::linear) roots.head<3>() *= std::sqrt(gradients[q].squaredNorm() / 3.0);
         if (second != nullptr) {
           roots.head<3>().setZero();
-          out.slopeLambda[q] = static_cast<float>(modal.lambda() / kLatticeStabilisation);
-          out.slopeMu[q] = static_cast<float>(modal.mu() / kLatticeStabilisation);
+          out.strainGradientLambda[q] = static_cast<float>(modal.lambda() / kLatticeStabilisation);
+          out.strainGradientMu[q] = static_cast<float>(modal.mu() / kLatticeStabilisation);
         }
       }
       const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
@@ -138,8 +139,8 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
         for (std::size_t k = 0; k < 4; ++k) at[(6 + k) * width] = static_cast<float>(h[static_cast<Eigen::Index>(k)]);
       }
       if (second != nullptr)
-        findSlopes(s, q, *second, gradients[q], material.law == MaterialLaw::linear, modes,
-                   out.numbers.data() + out.first[q] + StiffnessFactors::kNumbers * width, width);
+        findStrainGradients(s, q, *second, gradients[q], material.law == MaterialLaw::linear, modes,
+                            out.numbers.data() + out.first[q] + StiffnessFactors::kNumbers * width, width);
     }
   });
 }

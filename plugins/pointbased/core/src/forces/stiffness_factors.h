@@ -17,23 +17,27 @@ namespace pointbased::detail {
 /// pressure) the sum is the tangent to the last digit, as far as that is positive. Other laws: a = √v R g and h = √μ a,
 /// linear about the rotation R of the point, positive for any strain.
 ///
-/// Points with functions of second order have the energy of QuadraticEnergy in place of that of the modes xy, xz and yz.
-/// With the principal axes p of the covariance C of their part it is a sum of three terms of the same form,
+/// Points with quadratic functions have the energy of QuadraticEnergy in place of that of the modes xy, xz and yz. With
+/// the principal axes p of the covariance C of their part it is a sum of three terms of the same form,
 ///
 ///     λ* b_pj b_pl^T + μ b_pl b_pj^T + μ b_pj·b_pl I,   b_p = s √(v C_pp) R Q H p,   s² = |F|²/3
 ///
-/// H: the second derivatives of the function of an entry.
+/// b_p: scaled gradient, along p, of the strain by a displacement of the entry; H: second derivatives of its function,
+/// lattice axes; Q: these axes; v: volume, m³.
 struct StiffnessFactors {
-  static constexpr std::size_t kNumbers = 10;  ///< of an entry: a, m^(1/2), and h, (N/m)^(1/2)
-  static constexpr std::size_t kSlopes = 9;    ///< b of the three axes, m^(1/2), after them
+  static constexpr std::size_t kNumbers = 10;               ///< of an entry: a, m^(1/2), and h, (N/m)^(1/2)
+  static constexpr std::size_t kStrainGradientNumbers = 9;  ///< b of the three axes, m^(1/2); follow the ten
   /// [points][10 or 19][entries of the point, with zeros to a multiple of eight]
   kernels::AlignedVector<float> numbers;
-  std::vector<std::size_t> first;           ///< [points] offset of its numbers
-  std::vector<float> lambda, mu;            ///< [points] Pa; may be negative
-  std::vector<float> slopeLambda, slopeMu;  ///< [points] λ* and μ of b, Pa; 0: no b; empty: for all points
+  std::vector<std::size_t> first;  ///< [points] offset of its numbers
+  std::vector<float> lambda, mu;   ///< [points] Pa; may be negative
+  std::vector<float> strainGradientLambda,
+      strainGradientMu;  ///< [points] λ* and μ, Pa; μ = 0: no b; empty: no point has b
 
   [[nodiscard]] static std::size_t width(std::size_t entries) { return (entries + 7) / 8 * 8; }
-  [[nodiscard]] bool hasSlopes(std::size_t q) const { return !slopeMu.empty() && slopeMu[q] > 0.0F; }
+  [[nodiscard]] bool hasStrainGradient(std::size_t q) const {
+    return !strainGradientMu.empty() && strainGradientMu[q] > 0.0F;
+  }
 };
 
 /// For laminates the stiffness is that of the cell, with the share of a shear across the border instead of all of it.

@@ -49,14 +49,15 @@ void AddCellRow(const float *factors, std::size_t width, std::size_t entry, floa
 }
 
 // In the same order for a pair and its mirror image, as above.
-void AddSlopeRow(const float *slopes, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
+void AddStrainGradientRow(const float *vectors, std::size_t width, std::size_t entry, float lambda, float mu,
+                          float *out) {
   const D d;
   const V ofLambda = hn::Set(d, lambda), ofMu = hn::Set(d, mu);
-  for (std::size_t axis = 0; axis < 3; ++axis, slopes += 3 * width) {
-    const float *own = slopes + entry;
+  for (std::size_t axis = 0; axis < 3; ++axis, vectors += 3 * width) {
+    const float *own = vectors + entry;
     const V a[3] = {hn::Set(d, own[0]), hn::Set(d, own[width]), hn::Set(d, own[2 * width])};
     for (std::size_t k = 0; k < width; k += hn::Lanes(d)) {
-      const V c[3] = {hn::Load(d, slopes + k), hn::Load(d, slopes + width + k), hn::Load(d, slopes + 2 * width + k)};
+      const V c[3] = {hn::Load(d, vectors + k), hn::Load(d, vectors + width + k), hn::Load(d, vectors + 2 * width + k)};
       const V both = hn::Mul(ofMu, hn::MulAdd(a[2], c[2], hn::MulAdd(a[1], c[1], hn::Mul(a[0], c[0]))));
       float *to = out + k;
       for (std::size_t column = 0; column < 3; ++column)
@@ -95,14 +96,15 @@ HWY_AFTER_NAMESPACE();
 namespace pointbased::kernels {
 
 HWY_EXPORT(AddCellRow);
-HWY_EXPORT(AddSlopeRow);
+HWY_EXPORT(AddStrainGradientRow);
 HWY_EXPORT(RoundRow);
 
 void addCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
   HWY_DYNAMIC_DISPATCH(AddCellRow)(factors, width, entry, lambda, mu, out);
 }
-void addSlopeRow(const float *slopes, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
-  HWY_DYNAMIC_DISPATCH(AddSlopeRow)(slopes, width, entry, lambda, mu, out);
+void addStrainGradientRow(const float *vectors, std::size_t width, std::size_t entry, float lambda, float mu,
+                          float *out) {
+  HWY_DYNAMIC_DISPATCH(AddStrainGradientRow)(vectors, width, entry, lambda, mu, out);
 }
 void roundRow(const float *row, const float *to, const float *back, std::size_t eights, std::int16_t *out,
               float *lost) {

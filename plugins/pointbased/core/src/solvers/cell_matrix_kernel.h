@@ -13,9 +13,10 @@ namespace pointbased::kernels {
 /// @param out  [9][width]: numbers of the blocks by columns
 /// @threads  any; no allocation
 void addCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out);
-/// out += λ b_p d_p^T + μ d_p b_p^T + μ b_p·d_p I, summed over the three axes p.
-/// @param slopes  [3][3][width]
-void addSlopeRow(const float *slopes, std::size_t width, std::size_t entry, float lambda, float mu, float *out);
+/// out += λ b_p d_p^T + μ d_p b_p^T + μ b_p·d_p I, summed over the three axes p: StiffnessFactors, strain gradient.
+/// @param vectors  [3][3][width]: by axis, then by component
+void addStrainGradientRow(const float *vectors, std::size_t width, std::size_t entry, float lambda, float mu,
+                          float *out);
 
 /// Rounds the blocks of a row to units of their upper bounds: SweepRows.
 /// @param row  [eights][9][8]

@@ -27,14 +27,14 @@ struct GridLevel {
   /// Neighbours in groups of eight, those before a node and those after it: SweepRows.
   std::vector<Index> eights, columns;
 
-  /// The matrix is the sum of those of cells and springs, so a coarser matrix is the sum of theirs.
+  /// The matrix is the sum of those of cells and springs, so a coarser matrix is the sum of theirs (of trilinear ones).
   Csr cells;  ///< nodes of each cell, then of each spring; on coarser levels those they follow
   /// The same with functions of second order, whose rows are wider than a cell; empty: `cells`. Only the matrix of the
   /// finest level has them.
   Csr wideCells;
   Csr cellsOf;                     ///< [nodes] entries of rowCells()
   std::vector<Index> cellOfEntry;  ///< [entries of rowCells()]
-  std::vector<Index> firstEntry;   ///< [nodes] first entry of `cells`; the number of entries: none
+  std::vector<Index> firstEntry;   ///< [nodes] first entry of `cells` with the node; their number if none has it
   /// [nodes] first of `slots`: for every entry of `cellsOf`, the slots of the nodes of its cell in the row of the node.
   std::vector<std::size_t> firstSlot;
   std::vector<std::uint16_t> slots;   ///< slotOf()
@@ -60,7 +60,7 @@ struct GridHierarchy {
   std::vector<Index> order;   ///< [nodes of the finest level] phyxel
   std::vector<Index> number;  ///< [phyxels] node of the finest level
   Csr springs;                ///< [springs] phyxels coupled by each, as at construction
-  /// The points with trilinear functions, for coarser levels. Null: there are no others.
+  /// The points with trilinear functions, for coarser levels. Null: all points have these.
   std::unique_ptr<const StencilSet> trilinear;
 };
 

@@ -44,7 +44,7 @@ double Multigrid::entries() const {
   return sum;
 }
 
-double Multigrid::widening() const {
+double Multigrid::rowDensity() const {
   constexpr double kOfTrilinear = 27.0;
   const GridLevel &finest = hierarchy_->levels.front();
   return std::max(

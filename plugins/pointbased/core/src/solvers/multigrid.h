@@ -53,8 +53,8 @@ class Multigrid {
 
   /// Number of blocks in the matrices of all levels; an application reads them twice.
   [[nodiscard]] double entries() const;
-  /// Width of the finest rows relative to those of trilinear functions, at least 1.
-  [[nodiscard]] double widening() const;
+  /// Blocks in a finest row, in the mean, over the 27 of trilinear functions; at least 1.
+  [[nodiscard]] double rowDensity() const;
 
  private:
   using Floats = kernels::AlignedVector<float>;

@@ -56,18 +56,18 @@ struct Multigrid::Sources {
   [[nodiscard]] std::size_t points() const { return factors.first.size(); }
   [[nodiscard]] bool isSpring(std::size_t q) const { return q >= points(); }
   [[nodiscard]] float stiffness(std::size_t q) const { return static_cast<float>(springs.stiffness[q - points()]); }
-  /// @param cells  whose entries are counted
+  /// @param cells  the rows that `e` is an entry of
   [[nodiscard]] float weight(const Csr &cells, std::size_t e) const {
     return static_cast<float>(springs.weights[e - cells.offsets[points()]]);
   }
   void addRow(std::size_t q, std::size_t width, std::size_t entry, float *out) const {
     const float *numbers = factors.numbers.data() + factors.first[q];
     kernels::addCellRow(numbers, width, entry, factors.lambda[q], factors.mu[q], out);
-    if (factors.hasSlopes(q))
-      kernels::addSlopeRow(numbers + StiffnessFactors::kNumbers * width, width, entry, factors.slopeLambda[q],
-                           factors.slopeMu[q], out);
+    if (factors.hasStrainGradient(q))
+      kernels::addStrainGradientRow(numbers + StiffnessFactors::kNumbers * width, width, entry,
+                                    factors.strainGradientLambda[q], factors.strainGradientMu[q], out);
   }
-  // Sum of the diagonal of the block of an entry with itself.
+  // Diagonal of the block of an entry with itself, N/m.
   [[nodiscard]] Vec3 diagonal(std::size_t q, std::size_t width, std::size_t entry) const {
     const float *own = factors.numbers.data() + factors.first[q] + entry;
     const auto squares = [&](std::size_t n) {
@@ -76,11 +76,11 @@ struct Multigrid::Sources {
     float isotropic = 0.0F;
     for (std::size_t n = 3; n < StiffnessFactors::kNumbers; ++n) isotropic += own[n * width] * own[n * width];
     Eigen::Vector3f sum = (factors.lambda[q] + factors.mu[q]) * squares(0);
-    if (factors.hasSlopes(q))
-      for (std::size_t n = 0; n < StiffnessFactors::kSlopes; n += 3) {
+    if (factors.hasStrainGradient(q))
+      for (std::size_t n = 0; n < StiffnessFactors::kStrainGradientNumbers; n += 3) {
         const Eigen::Vector3f of = squares(StiffnessFactors::kNumbers + n);
-        sum += (factors.slopeLambda[q] + factors.slopeMu[q]) * of;
-        isotropic += factors.slopeMu[q] * of.sum();
+        sum += (factors.strainGradientLambda[q] + factors.strainGradientMu[q]) * of;
+        isotropic += factors.strainGradientMu[q] * of.sum();
       }
     return (sum.array() + isotropic).cast<double>();
   }

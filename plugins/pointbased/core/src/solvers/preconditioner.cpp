@@ -31,7 +31,8 @@ constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, forwar
 constexpr double kGridAssemblyCost = 50.0;  // per block of the matrices of all lattices
 constexpr double kGridCost = 5.0;           // per such block: a V-cycle and the other work of an iteration
 // Of a complete factorisation that has not been analysed, from the number of phyxels: n² and n^(4/3), for bodies of
-// equal extent in all directions. Rows r times as wide as those of trilinear functions multiply it by r² and by r.
+// equal extent in all directions. With r times the blocks
+// in a row of trilinear functions a factorisation costs r² times as much, a solve r times.
 constexpr double kGuessedCompleteCost = 10.0, kGuessedSolveCost = 40.0;
 
 constexpr double kCheap = 200.0;  // iterations; see the header
@@ -199,9 +200,9 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
       m.iteration = kGridCost * m.grid.entries();
       const auto n = static_cast<double>(m.phyxels);
       if (m.choice == Preconditioner::automatic && m.phyxels <= kMaxAnalysed && !m.isTooLarge) {
-        const double wider = m.grid.widening();
-        m.completePrice = kGuessedCompleteCost * n * n * wider * wider;
-        m.completeIteration = kGuessedSolveCost * std::pow(n, 4.0 / 3.0) * wider;
+        const double density = m.grid.rowDensity();
+        m.completePrice = kGuessedCompleteCost * n * n * density * density;
+        m.completeIteration = kGuessedSolveCost * std::pow(n, 4.0 / 3.0) * density;
       }
       ++m.factorisations;
       return;

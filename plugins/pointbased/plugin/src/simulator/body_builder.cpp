@@ -140,6 +140,10 @@ AccuracyPrediction predictionFor(const AccuracyProblem &problem, double area, co
   CostSetting setting = dial.setting;
   setting.surfels = problem.shape.surface.positions.size();
   promise.choice = chooseSampling(*promise.survey, problem.constitution, setting, dial.wish);
+  // The order for an error target is the same on every machine.
+  CostSetting comparing = setting;
+  if (dial.wish.kind == AccuracyTarget::Kind::share || dial.wish.kind == AccuracyTarget::Kind::length)
+    comparing.speed = nominalSpeed();
   if (!choosesOrder || !mayNeedSecondOrder(*promise.survey, promise.choice, problem.constitution, dial.wish))
     return promise;
   if (!request.report(0.03, "trying functions of second order")) throw cancelled();
@@ -147,12 +151,13 @@ AccuracyPrediction predictionFor(const AccuracyProblem &problem, double area, co
   recipe.sampling.order = LatticeOrder::quadratic;
   auto second = surveyAccuracy({problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity},
                                parallelFor, &request);
-  // None: the lattice fits the body.
-  if (!second || second->fine.secondOrder == 0) return promise;
-  SamplingChoice choice = chooseSampling(*second, problem.constitution, setting, dial.wish);
-  if (!prefersSecondOrder(promise.choice, choice, dial.wish)) return promise;
+  // No quadratic cell, because the lattice fits the body, or no solution.
+  if (!second || second->fine.quadraticPoints == 0) return promise;
+  if (!prefersSecondOrder(chooseSampling(*promise.survey, problem.constitution, comparing, dial.wish),
+                          chooseSampling(*second, problem.constitution, comparing, dial.wish), dial.wish))
+    return promise;
   promise.survey = std::make_shared<const AccuracySurvey>(std::move(*second));
-  promise.choice = std::move(choice);
+  promise.choice = chooseSampling(*promise.survey, problem.constitution, setting, dial.wish);
   return promise;
 }
 

@@ -26,9 +26,11 @@ void addDigest(sdk::SceneRecord &record, const std::string &field, std::span<con
   record.addDigest(field, std::span<const double>(vectors.empty() ? nullptr : vectors[0].data(), 3 * vectors.size()));
 }
 
-/// The time limit of a step, and the accuracy target of a sampling, are not physics: the sampling itself is recorded.
+/// The time limit of a step, and the accuracy target and the requested order of a sampling, are not physics: the
+/// sampling itself is recorded.
 bool isOfThePhysics(std::string_view id) {
-  return !isOfTheView(id) && !isAccuracyTarget(id) && id != C3DE_PARAM_ID_ACCURACY_BODIES && id != "solver.step_budget";
+  return !isOfTheView(id) && !isAccuracyTarget(id) && id != C3DE_PARAM_ID_ACCURACY_BODIES &&
+         id != "solver.step_budget" && id != "sampling.order";
 }
 
 void addValues(sdk::SceneRecord &record, const std::string &owner, const ParameterValues &values) {
@@ -46,6 +48,7 @@ void addBodyFields(sdk::SceneRecord &record, const BodyRecord &of, const Body &b
   addDigest(record, owner + "places of its phyxels", rest.positions);
   record.addDigest(owner + "masses of its phyxels", body.masses());
   record.addDigest(owner + "held phyxels", body.inverseMasses());
+  record.add(owner + "points of second order", static_cast<double>(rest.stencils.quadratic.points.size()));
   addValues(record, owner, *of.values);
   for (std::size_t p = 0; p < of.source.parts.size(); ++p) {
     const BodyPart &part = of.source.parts[p];

@@ -360,7 +360,7 @@ QuadraticEdges edgesOf(const LatticeCellMap &map, std::span<const PartContent> c
                        const MaterialContents &materials) {
   constexpr double kWhole = 0.999;
   std::vector<std::uint8_t> taking(contents.size(), 0), cut(contents.size(), 0), excluded(contents.size(), 0);
-  std::vector<double> ofPhyxels(map.corners().positions.size(), 0.0);
+  std::vector<double> volumes(map.corners().positions.size(), 0.0);
   for (std::size_t p = 0; p < contents.size(); ++p) {
     if (materials[p].empty()) continue;
     taking[p] = 1;
@@ -370,14 +370,14 @@ QuadraticEdges edgesOf(const LatticeCellMap &map, std::span<const PartContent> c
     for (std::size_t j = 0; j < 8; ++j) {
       std::size_t phyxels = 0;
       map.corners().visit(map.parts()[p].nodes[j], [&](Index phyxel, double weight) {
-        ofPhyxels[phyxel] += weight * contents[p].free.share * functions[j];
+        volumes[phyxel] += weight * contents[p].free.share * functions[j];
         ++phyxels;
       });
       isAside = isAside || phyxels != 1;
     }
     excluded[p] = isAside ? 1 : 0;
   }
-  return findQuadraticEdges(map.set(), map.parts(), map.corners(), taking, cut, excluded, ofPhyxels);
+  return findQuadraticEdges(map.set(), map.parts(), map.corners(), taking, cut, excluded, volumes);
 }
 
 // Adds the functions of edges to the row of a point over the corners of its cell.

@@ -7,9 +7,9 @@
 namespace pointbased::lattice {
 namespace {
 
-// A phyxel with less than this part of the largest content around an edge is light. Steps are as long with 0.01 to
-// 0.15; the torque of an oblique beam of three cells is best below 0.05.
-constexpr double kLight = 0.02;
+// Phyxels with less than this part of the largest volume among the four nearest to an edge are left out. Steps are as
+// long with 0.01 to 0.15; the torque of an oblique beam of three cells is best below 0.05.
+constexpr double kMinVolumeShare = 0.02;
 
 std::uint64_t pairOf(Index a, Index b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
@@ -89,26 +89,26 @@ constexpr std::array<std::size_t, 4> kParabolas{1, 2, 0, 3};
 using EdgeRow = std::array<Index, 6>;
 
 // Coefficients of the function of the edge; false: there are none.
-bool addCoefficients(const EdgeRow &row, std::span<const double> contents, QuadraticEdges &out) {
+bool addCoefficients(const EdgeRow &row, std::span<const double> volumes, QuadraticEdges &out) {
   double most = 0.0;
   for (std::size_t k = 1; k < 5; ++k)
-    if (row[k] != kNone) most = std::max(most, contents[row[k]]);
-  // Whether there are three phyxels from k on, none of them light.
-  const auto isHeavy = [&](std::size_t k) {
+    if (row[k] != kNone) most = std::max(most, volumes[row[k]]);
+  // Whether there are three phyxels from k on, each with enough volume.
+  const auto isFilled = [&](std::size_t k) {
     return row[k] != kNone && row[k + 1] != kNone && row[k + 2] != kNone &&
-           std::min({contents[row[k]], contents[row[k + 1]], contents[row[k + 2]]}) >= kLight * most;
+           std::min({volumes[row[k]], volumes[row[k + 1]], volumes[row[k + 2]]}) >= kMinVolumeShare * most;
   };
   const auto add = [&](Index phyxel, double weight) {
     out.phyxels.indices.push_back(phyxel);
     out.weights.push_back(weight);
   };
-  if (isHeavy(1) && isHeavy(2)) {
+  if (isFilled(1) && isFilled(2)) {
     add(row[1], -1.0 / 16.0);
     add(row[2], 1.0 / 16.0);
     add(row[3], 1.0 / 16.0);
     add(row[4], -1.0 / 16.0);
   } else {
-    const auto found = std::find_if(kParabolas.begin(), kParabolas.end(), isHeavy);
+    const auto found = std::find_if(kParabolas.begin(), kParabolas.end(), isFilled);
     if (found == kParabolas.end()) return false;
     add(row[*found], -1.0 / 8.0);
     add(row[*found + 1], 2.0 / 8.0);
@@ -172,7 +172,7 @@ EdgeMeans edgeMeansOf(const Moments &m) {
 
 QuadraticEdges findQuadraticEdges(const CellSet &set, std::span<const CutCellFragment> parts, const NodeTable &corners,
                                   std::span<const std::uint8_t> taking, std::span<const std::uint8_t> wanted,
-                                  std::span<const std::uint8_t> excluded, std::span<const double> contents) {
+                                  std::span<const std::uint8_t> excluded, std::span<const double> volumes) {
   const std::unordered_set<std::uint64_t> hanging = pairsAroundHanging(corners);
   Rows rows(corners.positions.size());
   struct Known {
@@ -212,7 +212,7 @@ QuadraticEdges findQuadraticEdges(const CellSet &set, std::span<const CutCellFra
       };
       const Index before = next(low, false), after = next(high, true);
       const auto row = static_cast<Index>(out.phyxels.rows());
-      if (!addCoefficients({next(before, false), before, low, high, after, next(after, true)}, contents, out)) return;
+      if (!addCoefficients({next(before, false), before, low, high, after, next(after, true)}, volumes, out)) return;
       edge.row = row;
     }
     out.ofParts[p][e] = edge.row;

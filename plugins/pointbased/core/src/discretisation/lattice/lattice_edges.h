@@ -43,9 +43,9 @@ struct EdgeMeans {
 /// these two. All cells around an edge have the same coefficient, so that the motion is continuous; b = 0 for affine
 /// motions.
 ///
-/// Light phyxels, which move less than a fiftieth of the largest content in the row, are left out: b is that of the
-/// nearest parabola through three others in succession, or 0. Otherwise the functions of edges would give a phyxel with
-/// little mass the stiffness of whole cells, which shortens explicit steps to a quarter.
+/// Phyxels with less than a fiftieth of the largest volume among the four nearest to the edge are left out: b is that
+/// of the nearest parabola through three others in succession, or 0. Otherwise the functions of edges would give a phyxel
+/// with little mass the stiffness of whole cells, which shortens explicit steps to a quarter.
 struct QuadraticEdges {
   std::vector<std::array<Index, kEdges>> ofParts;  ///< row, or kNone; empty: no edges
   Csr phyxels;
@@ -64,11 +64,11 @@ struct QuadraticEdges {
 /// Finds the edges of the parts with `wanted`. Excluded are edges of parts with `excluded`, edges between cells of two
 /// sizes, and rows with a gap of the body.
 /// @param taking  [parts] with an evaluation point: only their edges continue rows
-/// @param contents  [phyxels] free material that each moves, in cells
+/// @param volumes  [phyxels] free material attributed to each, in volumes of a cell
 [[nodiscard]] QuadraticEdges findQuadraticEdges(const CellSet &set, std::span<const CutCellFragment> parts,
                                                 const NodeTable &corners, std::span<const std::uint8_t> taking,
                                                 std::span<const std::uint8_t> wanted,
                                                 std::span<const std::uint8_t> excluded,
-                                                std::span<const double> contents);
+                                                std::span<const double> volumes);
 
 }  // namespace pointbased::lattice
