@@ -152,7 +152,7 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
 TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing about") {
   // A folded sheet whose arms flap against each other. Each vertex is carried by its own phyxel, and by ten light ones
   // that many vertices share and that move erratically, like phyxels that only a sliver of a body reaches.
-  constexpr std::size_t kMinVolumeShare = 40, kEach = 10;
+  constexpr std::size_t kLight = 40, kEach = 10;
   constexpr double kWeight = 0.03;
   const auto plain = sheetSkin(24, 1.0, true);
   Interpolation vertices;
@@ -163,13 +163,13 @@ TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing ab
     vertices.phyxels.indices.push_back(static_cast<Index>(v));
     vertices.weights.push_back(1.0 - kEach * kWeight);
     for (std::size_t k = 0; k < kEach; ++k) {
-      vertices.phyxels.indices.push_back(static_cast<Index>(own + (7 * v + 9 * k) % kMinVolumeShare));
+      vertices.phyxels.indices.push_back(static_cast<Index>(own + (7 * v + 9 * k) % kLight));
       vertices.weights.push_back(kWeight);
     }
     vertices.phyxels.offsets.push_back(static_cast<Index>(vertices.phyxels.indices.size()));
   }
   vertices.gradients.assign(vertices.weights.size(), Vec3::Zero());
-  std::vector<float> influence(own + kMinVolumeShare, 1.0f);
+  std::vector<float> influence(own + kLight, 1.0f);
   std::fill(influence.begin() + static_cast<std::ptrdiff_t>(own), influence.end(), static_cast<float>(kWeight));
   const auto carried = detail::makeContactSkin(std::move(vertices), plain->triangles, {1e9}, {}, influence);
   detail::MovingSkin skin(carried, Vec3::Zero(), 2.0);
@@ -186,7 +186,7 @@ TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing ab
     const Vec3 to(0.1 - std::abs(from), rest[i].y(), side * (0.9 + 0.82 * beat) + 0.05 * rest[i].z());
     return (to - rest[i]) / (1.0 - kEach * kWeight);
   };
-  std::vector<Vec3> ways(own + kMinVolumeShare), speeds = ways;
+  std::vector<Vec3> ways(own + kLight), speeds = ways;
   std::size_t looks = 0, near = 0;
   for (int k = 0; k < 400; ++k) {
     for (std::size_t i = 0; i < ways.size(); ++i) {

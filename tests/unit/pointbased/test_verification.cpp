@@ -274,3 +274,15 @@ TEST_CASE("verify: the same for any division of the loops", "[verify]") {
   CHECK(one->fineReferenceDisplacements == other->fineReferenceDisplacements);
   CHECK(one->errorMax == other->errorMax);
 }
+
+TEST_CASE("the fine reference of a body of second order is of second order, whatever its recipe asks for") {
+  Bench bench;
+  bench.recipe.sampling.axes = rotation(0, 20) * rotation(1, 35);
+  bench.recipe.sampling.order = LatticeOrder::quadratic;
+  bench.hold().pull(Vec3(0, 0, -1e-3)).solve();
+  REQUIRE(!bench.body().rest().stencils.quadratic.points.empty());
+  bench.recipe.sampling.order = LatticeOrder::linear;
+  const Verification verified = good(bench.verified());
+  REQUIRE(verified.fineReferenceRest);
+  CHECK(!verified.fineReferenceRest->stencils.quadratic.points.empty());
+}

@@ -62,8 +62,8 @@ struct AccuracySurvey {
   double largest = 0.0;                       ///< m, displacement under the loads
   double difference = 0.0;                    ///< skinDifference() of the two, as a fraction of `largest`
   /// skinDifference() of the coarse trial and of the same cells with quadratic functions, as a fraction of `largest`:
-  /// the error due to cells oblique to the body. 0: the trials themselves have these functions, or no cell has them (the
-  /// lattice fits the body), or jitter, or no solution
+  /// the error due to cells oblique to the body. 0: the trials themselves have these functions, no cell has them
+  /// because the lattice fits the body, jitter, or no solution
   double orderDifference = 0.0;
   Vec3 worst = Vec3::Zero();  ///< world, m, at rest: skin sample with the largest difference
   /// Supports, loads or both are missing: the lowest tenth of the body was held, and its weight was the load
@@ -86,9 +86,8 @@ struct ErrorPrediction {
   double likely = 0.0;           ///< five of six are below
 };
 
-/// Uses a model fitted to random bodies (bench_accuracy dial --fit), of each order. From the differences of the trials
-/// and the ratio of the
-/// requested spacing to theirs: log e = a + b log difference + p log(spacing / spacing of the fine trial).
+/// Uses a model of each order, fitted to random bodies (bench_accuracy dial --fit):
+/// log e = a + b log Δ + p log(spacing / spacing of the fine trial), Δ² = difference² + (0.5 orderDifference)².
 [[nodiscard]] ErrorPrediction predictError(const AccuracySurvey &survey, double spacing);
 
 /// Conditions of a cost prediction other than the body.
@@ -148,14 +147,15 @@ struct SamplingChoice {
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
                                             const CostSetting &setting, const AccuracyTarget &target);
 
-/// Whether trials of second order are worth their time: the material is one that the kernels of second order support,
-/// and the choice of first order is finer than its trials and automaticCount(), or does not meet the target.
+/// Whether trials of second order are worth their time: the kernels of second order support the material, and the
+/// target is a budget, or first order does not meet it, or needs more phyxels than the fine trial (without a target: than
+/// automaticCount()).
 /// @param first  of a survey of first order
 [[nodiscard]] bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first,
                                       const Constitution &constitution, const AccuracyTarget &target);
-/// Whether second order is to be preferred: only it meets the target, or it takes less than 0.8 of the time. For a budget,
-/// or if neither meets the target: only it is within the time, or its error is less than 0.8 of that of first order. If
-/// neither is within the time: it is faster.
+/// Whether second order is to be preferred: only it meets the target, or it takes less than 0.8 of the time. For a
+/// budget, or if neither meets the target: only it is within the time, or its error is less than 0.8 of that of first
+/// order. If neither is within the time: it is faster.
 [[nodiscard]] bool prefersSecondOrder(const SamplingChoice &first, const SamplingChoice &second,
                                       const AccuracyTarget &target);
 

@@ -21,7 +21,7 @@ struct ErrorModel {
 };
 constexpr ErrorModel kFirstOrder{0.08, 1.14, 0.98, 0.41}, kSecondOrder{-0.41, 1.02, 1.31, 0.62};
 constexpr double kOrderDifferenceWeight = 0.5;
-constexpr double kSpreadPerWay = 0.3;  // additional, per log of the extrapolation to finer spacings
+constexpr double kSpreadPerLog = 0.3;  // additional, per log of the extrapolation to finer spacings
 constexpr double kSpreadBeyond = 0.6;  // additional, per log of the extrapolation to spacings coarser than any trial
 constexpr double kNineOfTen = 1.645;   // standard deviations, both sides
 constexpr double kMinDifference = 1e-5;
@@ -89,12 +89,12 @@ std::string errorUnmet(const SamplingChoice &choice, const Limits &limits, bool 
 
 ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
   const ErrorModel &model = survey.fine.quadraticPoints > 0 ? kSecondOrder : kFirstOrder;
-  const double way = std::log(spacing / survey.fine.spacing);
+  const double ratio = std::log(spacing / survey.fine.spacing);
   const double difference = std::hypot(survey.difference, kOrderDifferenceWeight * survey.orderDifference);
   const double log =
-      model.constant + model.difference * std::log(std::max(difference, kMinDifference)) + model.order * way;
+      model.constant + model.difference * std::log(std::max(difference, kMinDifference)) + model.order * ratio;
   const double beyond = std::max(0.0, std::log(spacing / survey.coarse.spacing));
-  const double spread = model.spread + kSpreadPerWay * std::max(0.0, -way) + kSpreadBeyond * beyond;
+  const double spread = model.spread + kSpreadPerLog * std::max(0.0, -ratio) + kSpreadBeyond * beyond;
   ErrorPrediction out;
   out.share = std::exp(log);
   out.low = std::exp(log - kNineOfTen * spread);

@@ -121,7 +121,7 @@ class Verifying {
     std::shared_ptr<const RestState> rest;
     auto solved = fineReferenceOf(recipe, affordsFineSupports(cell), rest);
     if (!solved) return refused(solved.error());
-    if (!tell(0.95, "comparing")) return refused("cancelled");
+    if (!report(0.95, "comparing")) return refused("cancelled");
     Verification out = compare(*rest, *solved);
     out.fineReferenceRest = rest;
     out.fineReferenceDisplacements = std::move(solved->displacements);
@@ -130,7 +130,7 @@ class Verifying {
   }
 
  private:
-  [[nodiscard]] bool tell(double fraction, const std::string &what) const {
+  [[nodiscard]] bool report(double fraction, const std::string &what) const {
     return !progress_ || progress_(fraction, what);
   }
 
@@ -159,7 +159,7 @@ class Verifying {
     // The accuracy setting may have chosen the order.
     if (!body_.rest().stencils.quadratic.points.empty()) fine.sampling.order = LatticeOrder::quadratic;
     const auto filled = buildRestState(shape_, fine, {}, parallelFor_, [this](double fraction) {
-      return tell(kBuildShare * fraction, "filling the fine reference");
+      return report(kBuildShare * fraction, "filling the fine reference");
     });
     if (!filled)
       return refused(filled.error() == "cancelled" ? filled.error() : "its fine reference: " + filled.error());
@@ -181,8 +181,8 @@ class Verifying {
     std::vector<Vec3> leftOver = knownForces(body_, target_.world.gravity, target_.clock, parallelFor_);
     for (std::size_t i = 0; i < leftOver.size(); ++i) leftOver[i] *= body_.heldMask()[i] ? 0.0 : -1.0;
     const FineReferenceProblem problem{target_, body_, parallelFor_, stop_, !hasFineSupports_, [this](double fraction) {
-                                         return tell(kBuildShare + (0.95 - kBuildShare) * fraction,
-                                                     "solving the fine reference");
+                                         return report(kBuildShare + (0.95 - kBuildShare) * fraction,
+                                                       "solving the fine reference");
                                        }};
     return dependsOnItsWay() ? solveAlongLoadPath(problem, std::move(fineReference))
                              : solveDirectly(problem, leftOver, std::move(fineReference));

@@ -14,8 +14,8 @@ namespace pointbased::detail {
 ///
 /// h: seven numbers, three of the strain and four of the modes of HourglassEnergy, each with its stiffness averaged
 /// over the directions of displacement. Neo-Hooke: a = √v F^-T g; with h = √(v μ) g, λ and μ (reduced by the current
-/// pressure) the sum is the tangent to the last digit, as far as that is positive. Other laws: a = √v R g and h = √μ a,
-/// linear about the rotation R of the point, positive for any strain.
+/// pressure) the sum is the tangent to the last digit, as far as that is positive. Other laws: a = √v R g and
+/// h = √μ a, linear about the rotation R of the point, positive for any strain.
 ///
 /// Points with quadratic functions have the energy of QuadraticEnergy in place of that of the modes xy, xz and yz. With
 /// the principal axes p of the covariance C of their part it is a sum of three terms of the same form,
@@ -31,8 +31,8 @@ struct StiffnessFactors {
   kernels::AlignedVector<float> numbers;
   std::vector<std::size_t> first;  ///< [points] offset of its numbers
   std::vector<float> lambda, mu;   ///< [points] Pa; may be negative
-  std::vector<float> strainGradientLambda,
-      strainGradientMu;  ///< [points] λ* and μ, Pa; μ = 0: no b; empty: no point has b
+  /// [points] λ* and μ, Pa; μ = 0: no b; empty: no point has b
+  std::vector<float> strainGradientLambda, strainGradientMu;
 
   [[nodiscard]] static std::size_t width(std::size_t entries) { return (entries + 7) / 8 * 8; }
   [[nodiscard]] bool hasStrainGradient(std::size_t q) const {

@@ -31,8 +31,8 @@ constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, forwar
 constexpr double kGridAssemblyCost = 50.0;  // per block of the matrices of all lattices
 constexpr double kGridCost = 5.0;           // per such block: a V-cycle and the other work of an iteration
 // Of a complete factorisation that has not been analysed, from the number of phyxels: n² and n^(4/3), for bodies of
-// equal extent in all directions. With r times the blocks
-// in a row of trilinear functions a factorisation costs r² times as much, a solve r times.
+// equal extent in all directions. With r times the blocks in a row of trilinear functions a factorisation costs r² times
+// as much, a solve r times.
 constexpr double kGuessedCompleteCost = 10.0, kGuessedSolveCost = 40.0;
 
 constexpr double kCheap = 200.0;  // iterations; see the header

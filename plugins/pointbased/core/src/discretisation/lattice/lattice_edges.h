@@ -44,8 +44,8 @@ struct EdgeMeans {
 /// motions.
 ///
 /// Phyxels with less than a fiftieth of the largest volume among the four nearest to the edge are left out: b is that
-/// of the nearest parabola through three others in succession, or 0. Otherwise the functions of edges would give a phyxel
-/// with little mass the stiffness of whole cells, which shortens explicit steps to a quarter.
+/// of the nearest parabola through three others in succession, or 0. Otherwise the functions of edges would give a
+/// phyxel with little mass the stiffness of whole cells, which shortens explicit steps to a quarter.
 struct QuadraticEdges {
   std::vector<std::array<Index, kEdges>> ofParts;  ///< row, or kNone; empty: no edges
   Csr phyxels;
