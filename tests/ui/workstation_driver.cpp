@@ -161,11 +161,10 @@ void WorkstationDriver::chooseAllRows() {
 }
 
 void WorkstationDriver::launch(const std::vector<std::string> &command) {
-  // Not that of the user who runs the tests.
+  // Of this scenario alone: others run at the same time, and end their programs while work is unsaved.
   const std::string home = environmentVariable("C3DE_HOME");
-  const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user").string() : home);
+  const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user" / name_).string() : home);
   if (!isNewUser_) chooseAllRows();
-  // Other tests end their programs while work is unsaved, or by a failure that is reported at the next start.
   std::error_code ignored;
   if (home.empty())
     for (const std::filesystem::path &left : {userDataDirectory() / "recovery", userCacheDirectory() / "runs"})
