@@ -1,7 +1,8 @@
 cmake_minimum_required(VERSION 3.25)
-# -DBUILD=… -DPLACE=… -DCOMPILERS=…: that the installed core (component pointbased) serves a program of others with nothing but
-# the prefix: the batch example agrees with the beam formula, every public header compiles alone, pkg-config says what is
-# needed, the library has no variable that several users would share, and a package without it says what to install.
+# -DBUILD=… -DPLACE=… -DCOMPILERS=… -DHEADERS=…: that a program of others builds with the installed core (component pointbased)
+# and nothing but the prefix: the batch example agrees with the beam formula, pkg-config says what is needed, the
+# library has no variable that several users would share, and a package without it says what to install. With HEADERS every public
+# header compiles alone.
 include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 set(prefix "${PLACE}/prefix")
@@ -17,23 +18,6 @@ if(code EQUAL 0 OR NOT errors MATCHES "PointBased is not installed in")
 endif()
 install_component("${BUILD}" pointbased "${prefix}")
 
-file(GLOB headers RELATIVE "${prefix}/include" "${prefix}/include/pointbased/*.h")
-list(LENGTH headers count)
-if(count LESS 30)
-  message(SEND_ERROR "${count} headers of the core are installed")
-endif()
-set(sources)
-foreach(header IN LISTS headers)
-  string(MAKE_C_IDENTIFIER "${header}" name)
-  file(WRITE "${PLACE}/headers/${name}.cpp" "#include \"${header}\"\n")
-  list(APPEND sources ${name}.cpp)
-endforeach()
-list(JOIN sources " " sources)
-file(WRITE "${PLACE}/headers/CMakeLists.txt" "cmake_minimum_required(VERSION 3.23)\nproject(headers LANGUAGES CXX)\n"
-  "find_package(C3DE REQUIRED COMPONENTS PointBased)\nadd_library(headers OBJECT ${sources})\n"
-  "target_link_libraries(headers PRIVATE c3de::pointbased)\n"
-  "target_compile_options(headers PRIVATE -Wall -Wextra -Wpedantic -Werror -fsyntax-only)\n")
-
 foreach(compiler IN LISTS COMPILERS)
   string(REPLACE "+" "_" name "${compiler}")
   build_outside("${prefix}/share/c3de/examples/batch" "${PLACE}/${name}" "${prefix}" "${compiler}" Release)
@@ -44,10 +28,28 @@ foreach(compiler IN LISTS COMPILERS)
   endif()
 endforeach()
 list(GET COMPILERS 0 compiler)
-# An object that is only parsed is not there: the build system ends once each has been, and nothing links them.
-run("${CMAKE_COMMAND}" -E env --unset=CXXFLAGS "${CMAKE_COMMAND}" -G Ninja -S "${PLACE}/headers" -B "${PLACE}/headers/build"
-    "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${compiler}")
-run("${CMAKE_COMMAND}" --build "${PLACE}/headers/build")
+if(HEADERS)
+  file(GLOB headers RELATIVE "${prefix}/include" "${prefix}/include/pointbased/*.h")
+  list(LENGTH headers count)
+  if(count LESS 30)
+    message(SEND_ERROR "${count} headers of the core are installed")
+  endif()
+  set(sources)
+  foreach(header IN LISTS headers)
+    string(MAKE_C_IDENTIFIER "${header}" name)
+    file(WRITE "${PLACE}/headers/${name}.cpp" "#include \"${header}\"\n")
+    list(APPEND sources ${name}.cpp)
+  endforeach()
+  list(JOIN sources " " sources)
+  file(WRITE "${PLACE}/headers/CMakeLists.txt" "cmake_minimum_required(VERSION 3.23)\nproject(headers LANGUAGES CXX)\n"
+    "find_package(C3DE REQUIRED COMPONENTS PointBased)\nadd_library(headers OBJECT ${sources})\n"
+    "target_link_libraries(headers PRIVATE c3de::pointbased)\n"
+    "target_compile_options(headers PRIVATE -Wall -Wextra -Wpedantic -Werror -fsyntax-only)\n")
+  # An object that is only parsed is not there: the build system ends once each has been, and nothing links them.
+  run("${CMAKE_COMMAND}" -E env --unset=CXXFLAGS "${CMAKE_COMMAND}" -G Ninja -S "${PLACE}/headers" -B "${PLACE}/headers/build"
+      "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${compiler}")
+  run("${CMAKE_COMMAND}" --build "${PLACE}/headers/build")
+endif()
 
 file(GLOB library "${prefix}/lib*/libc3de_pointbased.a" "${prefix}/lib*/*/libc3de_pointbased.a")
 run(nm -C --defined-only "${library}")

@@ -28,7 +28,7 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   const Point at = window.locate(kStrength);
   window.drag(at, {at.x + 40, at.y}, 4);
   window.moveTo(window.inView(0.9, 0.1));
-  window.key("right");
+  window.key("Right");
   const auto force = [&](const Json &s) { return std::strtod(s["values"].value(kPulls, "0").c_str(), nullptr); };
   const Json pulled = C3DE_WAIT(window, "it pulls", force(s) > 0.0 && mode(s) == "paused");
   play(window);

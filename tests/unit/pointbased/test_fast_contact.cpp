@@ -15,12 +15,7 @@ namespace {
 
 constexpr double kPlate = 0.004;  // m, thickness: from y = -4 mm to 0
 
-}  // namespace
-
-TEST_CASE("a body at 30 to 300 m/s does not pass a plate of 4 mm, or has stopped with the depth it came to") {
-  const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk,
-                                         Integrator::implicitMidpoint, Integrator::backwardEuler);
-  const double speed = GENERATE(30.0, 60.0, 120.0, 300.0);
+void hitPlate(double speed, Integrator integrator) {
   CAPTURE(static_cast<int>(integrator), speed);
   Simulator simulator;
   simulator.setWorld({.integrator = integrator});
@@ -43,4 +38,16 @@ TEST_CASE("a body at 30 to 300 m/s does not pass a plate of 4 mm, or has stopped
   CAPTURE(stopped, behind, lowest, told);
   CHECK((stopped || behind == 0));
   CHECK(told >= std::min(0.02, 0.9 * -lowest));
+}
+
+}  // namespace
+
+TEST_CASE("a body at 30 and 300 m/s does not pass a plate of 4 mm, or has stopped with the depth it came to") {
+  hitPlate(GENERATE(30.0, 300.0), GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk,
+                                           Integrator::implicitMidpoint, Integrator::backwardEuler));
+}
+
+TEST_CASE("a body at 60 and 120 m/s does not pass a plate of 4 mm either", "[slow]") {
+  hitPlate(GENERATE(60.0, 120.0), GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk,
+                                           Integrator::implicitMidpoint, Integrator::backwardEuler));
 }
