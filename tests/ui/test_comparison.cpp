@@ -309,8 +309,8 @@ TEST_CASE("the image that was open before another one can be compared with it", 
   CHECK(imageText(window.state(), "name") == second.filename().string());
   // It is closed with the image.
   window.clickMenu("file.close_image");
-  C3DE_WAIT(window, "both are closed", s["panes"].empty());
-  CHECK_FALSE(window.state()["widgets"].contains("toolbar/tool.comparison.move"));
+  C3DE_WAIT(window, "both are closed, and the tool with them",
+            s["panes"].empty() && !s["widgets"].contains("toolbar/tool.comparison.move"));
 }
 
 TEST_CASE("a body deforms the open image, and the second scan stays where it is", "[comparison_body]") {
