@@ -348,8 +348,23 @@ at = [0.0005, 0.06, 0.0]
       folder, scene, {"--set", "accuracy.error_percent=1", "--set", "body.ring.sampling.order=linear", "--steps", "1"});
   CHECK(linear["accuracy"]["bodies"][0]["order"] == "linear");
   CHECK(linear["accuracy"]["bodies"][0]["phyxels"] > 3 * body["phyxels"].get<int>());
-  const Json coarse = reportOf(folder, scene, {"--set", "body.ring.sampling.count=206"});
+  const Json coarse =
+      reportOf(folder, scene, {"--set", "body.ring.sampling.count=206", "--set", "body.ring.sampling.order=linear"});
   CHECK(std::abs(tip(coarse) / truth - 1.0) > 0.05);
+  // With a specified count they are the default of slender bodies without plane faces.
+  const Json same = reportOf(folder, scene, {"--set", "body.ring.sampling.count=206"});
+  CHECK(same["bodies"][0]["order"] == "quadratic");
+  CHECK_THAT(tip(same), WithinRel(truth, 0.03));
+  CHECK(coarse["bodies"][0]["order"] == "linear");
+  const std::vector<std::string> flowing{
+      "--set", "body.ring.sampling.count=206",       "--set",   "body.ring.material.plastic.yield=0.1",
+      "--set", "body.ring.material.plastic.creep=1", "--steps", "1"};
+  const Json linearToo = reportOf(folder, scene, flowing);
+  CHECK(linearToo["bodies"][0]["order"] == "linear");
+  CHECK(linearToo["notices"].dump().find("20 times") == std::string::npos);
+  std::vector<std::string> slow = flowing;
+  slow.insert(slow.end(), {"--set", "body.ring.sampling.order=quadratic"});
+  CHECK_THAT(reportOf(folder, scene, slow)["notices"].dump(), Contains("body 'ring'") && Contains("20 times"));
 
   // The same phyxels with other functions are another body.
   const fs::path state = folder / "ring.state";

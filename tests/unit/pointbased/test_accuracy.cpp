@@ -361,3 +361,43 @@ TEST_CASE("second order is chosen where it costs less for the same error") {
   CHECK_FALSE(prefersSecondOrder(inTime, late, standard));
   CHECK(prefersSecondOrder(late, inTime, standard));
 }
+
+TEST_CASE("second order is suggested for slender bodies oblique to their lattice alone") {
+  const Constitution elastic{{{.youngsModulus = 1e4, .poissonRatio = 0.3}}, kLatticeStabilisation};
+  const auto bar = [](double length, double width, double thickness) {
+    return shapes::box(Vec3(0.3, -0.2, 0.1), Vec3(0.3 + length, -0.2 + width, 0.1 + thickness), 1);
+  };
+  const Mat3 oblique = Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
+  const auto isSuggested = [&](const BodyShape &shape, const LatticeSampling &sampling) {
+    return suggestsSecondOrder(shape, {.sampling = sampling}, elastic);
+  };
+  BodyShape beam = bar(0.041, 0.01, 0.01);
+  CHECK(isSuggested(beam, {.spacing = 0.002, .axes = oblique}));
+  CHECK(isSuggested(beam, {.count = 500, .axes = oblique}));
+  CHECK(isSuggested(bar(0.041, 0.041, 0.01), {.count = 500, .axes = oblique}));  // a plate
+  CHECK_FALSE(isSuggested(bar(0.039, 0.01, 0.01), {.count = 500, .axes = oblique}));
+  CHECK_FALSE(isSuggested(bar(0.01, 0.01, 0.01), {.count = 500, .axes = oblique}));
+  // By default the lattice follows the faces, those of a rotated beam as well.
+  CHECK_FALSE(isSuggested(beam, {.count = 500}));
+  for (Vec3 &x : beam.surface.positions) x = oblique * x;
+  CHECK_FALSE(isSuggested(beam, {.count = 500}));
+  CHECK(isSuggested(beam, {.count = 500, .axes = Mat3::Identity()}));
+  const Mat3 slightly = Eigen::AngleAxisd(0.1, Vec3::UnitX()).toRotationMatrix();
+  CHECK_FALSE(isSuggested(beam, {.count = 500, .axes = Mat3(oblique * slightly)}));
+
+  // Neither irregular cells nor materials without vectorised kernels.
+  const LatticeSampling plain{.spacing = 0.002, .axes = Mat3::Identity()};
+  LatticeSampling irregular = plain;
+  irregular.jitter = 0.1;
+  CHECK_FALSE(isSuggested(beam, irregular));
+  irregular = plain;
+  irregular.surfaceSpacing = 0.001;
+  CHECK_FALSE(isSuggested(beam, irregular));
+  Constitution other = elastic;
+  other.materials.front().plastic.yield = 0.1;
+  other.materials.front().plastic.creep = 0.5;
+  CHECK_FALSE(suggestsSecondOrder(beam, {.sampling = plain}, other));
+  other = elastic;
+  other.materials.push_back(other.materials.front());
+  CHECK_FALSE(suggestsSecondOrder(beam, {.sampling = plain}, other));
+}

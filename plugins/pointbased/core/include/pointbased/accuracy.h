@@ -147,6 +147,10 @@ struct SamplingChoice {
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
                                             const CostSetting &setting, const AccuracyTarget &target);
 
+/// Whether vectorised kernels evaluate quadratic cells: one material, without flow, relaxation or a law of a plugin. Else
+/// these cells take some 20 times as long.
+[[nodiscard]] bool supportsSecondOrder(const Constitution &constitution);
+
 /// Whether trials of second order are worth their time: the kernels of second order support the material, and the
 /// target is a budget, or first order does not meet it, or needs more phyxels than the fine trial (without a target: than
 /// automaticCount()).
@@ -158,6 +162,14 @@ struct SamplingChoice {
 /// order. If neither is within the time: it is faster.
 [[nodiscard]] bool prefersSecondOrder(const SamplingChoice &first, const SamplingChoice &second,
                                       const AccuracyTarget &target);
+
+/// Whether second order pays for a specified spacing or count: its kernels support the material, the cells are uniform,
+/// the body is slender, at least four times as long as thick, and its surface oblique to the lattice. Length and thickness
+/// are edges of the cuboid with the same second moments of volume. Oblique is a misalignment (latticeDirection() in
+/// src/discretisation/lattice) above 0.05: all faces at 10 degrees, or a third of them at 20.
+/// The spacing has no influence, so that a series of samplings converges with one order.
+[[nodiscard]] bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe,
+                                       const Constitution &constitution);
 
 inline constexpr double kFrame = 1.0 / 60.0;      ///< s
 inline constexpr double kStandardError = 0.05;    ///< of AccuracyTarget::Kind::standard

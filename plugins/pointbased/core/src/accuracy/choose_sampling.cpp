@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "base/number_text.h"
+#include "discretisation/lattice/lattice_direction.h"
 #include "pointbased/accuracy.h"
 #include "pointbased/sampling.h"
 #include "stepping/monitoring/step_cost.h"
@@ -206,11 +208,55 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   return out;
 }
 
+namespace {
+
+/// m, edges of the cuboid with the second moments of volume of a closed surface, in ascending order.
+Vec3 cuboidEdges(const Surface &surface) {
+  double volume = 0.0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  const Vec3 origin = surface.positions.front();
+  // Signed tetrahedra from one point to each triangle.
+  for (const auto &t : surface.triangles) {
+    Mat3 corners;
+    for (int i = 0; i < 3; ++i) corners.col(i) = surface.positions[t[static_cast<std::size_t>(i)]] - origin;
+    const double part = corners.determinant() / 6.0;
+    const Vec3 sum = corners.rowwise().sum();
+    volume += part;
+    first += part / 4.0 * sum;
+    second += part / 20.0 * (corners * corners.transpose() + sum * sum.transpose());
+  }
+  const Mat3 central = second / volume - first * first.transpose() / (volume * volume);
+  return (12.0 * Eigen::SelfAdjointEigenSolver<Mat3>(central, Eigen::EigenvaluesOnly).eigenvalues())
+      .cwiseMax(0.0)
+      .cwiseSqrt();
+}
+
+}  // namespace
+
+bool supportsSecondOrder(const Constitution &constitution) {
+  if (constitution.materials.size() != 1) return false;
+  const Material &material = constitution.materials.front();
+  return !material.plastic.enabled() && !material.relaxes() && material.law != MaterialLaw::custom;
+}
+
+bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe, const Constitution &constitution) {
+  constexpr double kSlender = 4.0, kOblique = 0.05;
+  const LatticeSampling &sampling = recipe.sampling;
+  if (!supportsSecondOrder(constitution) || sampling.jitter > 0.0 || sampling.surfaceSpacing > 0.0 ||
+      !sampling.refinements.empty() || shape.surface.triangles.empty())
+    return false;
+  const Vec3 edges = cuboidEdges(shape.surface);
+  if (!(edges[2] >= kSlender * edges[0])) return false;
+  std::vector<Region> held;
+  for (const Fix &fix : recipe.fixes) held.push_back(fix.region);
+  const Mat3 axes = sampling.axes ? *sampling.axes : lattice::latticeDirection(shape, held);
+  return lattice::misalignment(shape.surface, axes) > kOblique;
+}
+
 bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first, const Constitution &constitution,
                         const AccuracyTarget &target) {
-  if (survey.order != LatticeOrder::linear || constitution.materials.size() != 1) return false;
-  const Material &material = constitution.materials.front();
-  if (material.plastic.enabled() || material.relaxes() || material.law == MaterialLaw::custom) return false;
+  if (survey.order != LatticeOrder::linear || !supportsSecondOrder(constitution)) return false;
   if (target.kind == AccuracyTarget::Kind::budget || !first.unmet.empty()) return true;
   std::size_t cheap = survey.fine.phyxels;
   if (target.kind == AccuracyTarget::Kind::standard)

@@ -273,8 +273,8 @@ constexpr std::array kBody{
         {"sampling.order", "Order", "",
          "stress_points: functions of the cells that the surface cuts. linear: from their corners; quadratic: "
          "from up to four phyxels in a line as well, which bends alike in every direction of the lattice; a "
-         "simulated second takes 2.3 to 2.8 times as long; auto: quadratic where the accuracy setting chooses it, "
-         "else linear",
+         "simulated second takes 2.3 to 2.8 times as long; auto: quadratic where the accuracy setting chooses it and, "
+         "with a specified spacing or count, for slender bodies oblique to their lattice; else linear",
          "Sampling"},
         kOrders, "auto", C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     numberParam({"sampling.jitter", "Jitter", "",

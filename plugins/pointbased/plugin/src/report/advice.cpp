@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pointbased/accuracy.h"
+
 namespace pointbased {
 namespace {
 
@@ -101,6 +103,10 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
     if (!body.rigid() && static_cast<double>(held) > kReportedHeldShare * static_cast<double>(all))
       lines.push_back("body '" + body.name() + "': " + std::to_string(held) + " of its " + std::to_string(all) +
                       " phyxels are held, in rigid tissue or by supports; a requested count includes them");
+    if (!body.rigid() && !body.rest().stencils.quadratic.points.empty() && !supportsSecondOrder(body.constitution()))
+      lines.push_back("body '" + body.name() +
+                      "': with this material, steps take up to 20 times as long with functions of second order; "
+                      "sampling.order = \"linear\" avoids it");
   }
   constexpr std::size_t kMaxOfAKind = 3;
   for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {

@@ -123,6 +123,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
           {"components", rest.components},
           {"surfels", rest.surfels.count()},
           {"spacing_m", rest.spacing},
+          {"order", rest.stencils.quadratic.points.empty() ? "linear" : "quadratic"},
           {"mass_kg", sums.mass},
           {"added_mass_kg", body.addedMass().first},
           {"volume_m3", sums.volume},

@@ -89,7 +89,8 @@ void AccuracyControl::computeTrials(const sdk::Progress &progress, const Paralle
     if (one.rest->conditions.fixes.empty() && !foundationOf(*one.values).holds())
       return {nullptr, "nothing holds it but contact, attachments or inertia"};
     try {
-      const BodyFilling filling = fillingOf(world_.context.services, one.name, one.source, *one.values, parallelFor);
+      BodyFilling filling = fillingOf(world_.context.services, one.name, one.source, *one.values, parallelFor);
+      filling.recipe.sampling.order = one.rest->sampling.order;
       const Constitution constitution = constitutionOf(world_.context.laws, one.name, one.source, *one.values);
       auto survey = surveyAccuracy({filling.shape, filling.recipe, constitution, foundationOf(*one.values), gravity},
                                    parallelFor, &request);

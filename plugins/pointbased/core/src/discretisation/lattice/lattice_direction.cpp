@@ -162,4 +162,9 @@ Mat3 latticeDirection(const BodyShape &shape, std::span<const Region> held) {
   return faces ? *faces : alongBorder(held);
 }
 
+double misalignment(const Surface &surface, const Mat3 &axes) {
+  const NormalMoments moments(surface);
+  return moments.known() ? moments.misalignment(axes) : 0.0;
+}
+
 }  // namespace pointbased::lattice
