@@ -351,7 +351,7 @@ at = [0.0005, 0.06, 0.0]
   const Json coarse =
       reportOf(folder, scene, {"--set", "body.ring.sampling.count=206", "--set", "body.ring.sampling.order=linear"});
   CHECK(std::abs(tip(coarse) / truth - 1.0) > 0.05);
-  // With a specified count they are the default of slender bodies without plane faces.
+  // With a specified count quadratic functions are the default for elongated bodies oblique to their lattice.
   const Json same = reportOf(folder, scene, {"--set", "body.ring.sampling.count=206"});
   CHECK(same["bodies"][0]["order"] == "quadratic");
   CHECK_THAT(tip(same), WithinRel(truth, 0.03));

@@ -1,8 +1,8 @@
 cmake_minimum_required(VERSION 3.25)
-# -DBUILD=… -DPLACE=… -DCOMPILERS=… -DHEADERS=…: that a program of others builds with the installed core (component pointbased)
-# and nothing but the prefix: the batch example agrees with the beam formula, pkg-config says what is needed, the
-# library has no variable that several users would share, and a package without it says what to install. With HEADERS every public
-# header compiles alone.
+# -DBUILD=… -DPLACE=… -DCOMPILERS=… -DHEADERS=…: that a third-party program builds with the installed core (component pointbased)
+# and nothing but the prefix: the batch example agrees with the beam formula, pkg-config reports what is needed, the
+# library has no variable that several users would share, and a package without it reports what to install. With HEADERS every public
+# header compiles on its own.
 include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 set(prefix "${PLACE}/prefix")
@@ -45,7 +45,7 @@ if(HEADERS)
     "find_package(C3DE REQUIRED COMPONENTS PointBased)\nadd_library(headers OBJECT ${sources})\n"
     "target_link_libraries(headers PRIVATE c3de::pointbased)\n"
     "target_compile_options(headers PRIVATE -Wall -Wextra -Wpedantic -Werror -fsyntax-only)\n")
-  # An object that is only parsed is not there: the build system ends once each has been, and nothing links them.
+  # -fsyntax-only writes no object files, so Ninja stops after compiling and nothing is linked.
   run("${CMAKE_COMMAND}" -E env --unset=CXXFLAGS "${CMAKE_COMMAND}" -G Ninja -S "${PLACE}/headers" -B "${PLACE}/headers/build"
       "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${compiler}")
   run("${CMAKE_COMMAND}" --build "${PLACE}/headers/build")

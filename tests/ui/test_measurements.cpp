@@ -64,6 +64,23 @@ TEST_CASE("measurements of a scene follow the tissue, and one placed by a click 
   CHECK(isNear(numberOf(placed, kList + "Landmark 1.now"), 0.02 * rest[0], 1e-3));
   window.screenshotAtRest("placed");
 
+  // The measured position of the landmark is clicked.
+  CHECK(window.value(kList + "Landmark 1.target") == "none");
+  window.click("measurements/set_target");
+  C3DE_WAIT(window, "the next click is the target", s["tool"] == "measure.landmark");
+  window.clickAt(window.inView(0.6, 0.5));
+  C3DE_WAIT(window, "it has a target", textOf(s, kList + "Landmark 1.target") != "none");
+  const Json targeted = window.state();
+  CHECK(textOf(targeted, kList + "count") == "4");
+  CHECK(vectorOf(targeted, kList + "Landmark 1.target")[0] > vectorOf(targeted, kList + "Landmark 1.at")[0] + 1.0);
+  CHECK(numberOf(targeted, kList + "Landmark 1.error") > 0.0);
+  window.screenshotAtRest("target");
+  window.click("measurements/remove_target");
+  C3DE_WAIT(window, "it has none again", textOf(s, kList + "Landmark 1.target") == "none");
+  window.moveTo(window.inView(0.9, 0.1));
+  window.key("ctrl+z");
+  C3DE_WAIT(window, "that is undone", textOf(s, kList + "Landmark 1.target") != "none");
+
   // A distance by press, drag and release; Escape takes back an unfinished one.
   window.click("toolbar/tool.measure.distance");
   window.clickAt(window.inView(0.45, 0.5));
@@ -91,6 +108,6 @@ TEST_CASE("measurements of a scene follow the tissue, and one placed by a click 
   C3DE_WAIT(again, "it is opened", s["jobs"].empty() && s["transport"]["exists"].get<bool>());
   again.click("measurements/header");
   C3DE_WAIT(again, "what was placed is back", textOf(s, kList + "count") == "7");
-  for (const std::string key : {"Landmark 1.reference", "b.error", "Distance 1.label"})
+  for (const std::string key : {"Landmark 1.reference", "Landmark 1.target", "b.error", "Distance 1.label"})
     again.waitForValue(kList + key, textOf(saved, kList + key));
 }

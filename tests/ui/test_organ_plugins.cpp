@@ -24,7 +24,7 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   CHECK(window.value(kPulls) == "0 N on 0 points");
   window.screenshot("before");
 
-  // One step, so that the first force is that at rest however slow the machine is.
+  // One step, so that the first force acts on the undeformed organ however slow the machine is.
   const Point at = window.locate(kStrength);
   window.drag(at, {at.x + 40, at.y}, 4);
   window.moveTo(window.inView(0.9, 0.1));

@@ -161,7 +161,7 @@ void WorkstationDriver::chooseAllRows() {
 }
 
 void WorkstationDriver::launch(const std::vector<std::string> &command) {
-  // Of this scenario alone: others run at the same time, and end their programs while work is unsaved.
+  // Each driver has its own user folder: scenarios run in parallel and leave unsaved work.
   const std::string home = environmentVariable("C3DE_HOME");
   const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user" / name_).string() : home);
   if (!isNewUser_) chooseAllRows();

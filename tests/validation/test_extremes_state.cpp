@@ -415,7 +415,7 @@ TEST_CASE("impacts of 1, 10 and 100 m/s go on: no tunnelling, no energy from now
 TEST_CASE("impacts of 1 and 10 m/s in frames of 1/60 s go on") {
   impact({1.0, 10.0}, 1.0 / 60.0, "impact at 1, 10 m/s, frames of 1/60 s");
 }
-TEST_CASE("an impact of 100 m/s in frames of 1/60 s goes on", "[slow]") {
+TEST_CASE("simulation continues after an impact of 100 m/s in frames of 1/60 s", "[slow]") {
   impact({100.0}, 1.0 / 60.0, "impact at 100 m/s, frames of 1/60 s");
 }
 

@@ -124,6 +124,13 @@ TEST_CASE("torsion of a square and a round bar: torque over twist", "[truth]") {
            .ours = body.torqueAboutOrigin(1)[2],
            .limit = n <= 4 ? 0.05 : 0.015,
            .milliseconds = body.milliseconds()});
+    problem.recipe.sampling.order = LatticeOrder::quadratic;
+    SolvedBody second(problem);
+    judge("round bar, small twist, " + std::to_string(n) + " layers, second order", "torque, N m",
+          {.truth = shearModulus * kPi / 2 * std::pow(R, 4) * angle / L,
+           .ours = second.torqueAboutOrigin(1)[2],
+           .limit = 0.005,
+           .milliseconds = second.milliseconds()});
   }
 }
 

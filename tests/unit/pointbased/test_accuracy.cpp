@@ -362,7 +362,7 @@ TEST_CASE("second order is chosen where it costs less for the same error") {
   CHECK(prefersSecondOrder(late, inTime, standard));
 }
 
-TEST_CASE("second order is suggested for slender bodies oblique to their lattice alone") {
+TEST_CASE("second order is suggested only for elongated or flat bodies oblique to their lattice") {
   const Constitution elastic{{{.youngsModulus = 1e4, .poissonRatio = 0.3}}, kLatticeStabilisation};
   const auto bar = [](double length, double width, double thickness) {
     return shapes::box(Vec3(0.3, -0.2, 0.1), Vec3(0.3 + length, -0.2 + width, 0.1 + thickness), 1);
@@ -377,13 +377,21 @@ TEST_CASE("second order is suggested for slender bodies oblique to their lattice
   CHECK(isSuggested(bar(0.041, 0.041, 0.01), {.count = 500, .axes = oblique}));  // a plate
   CHECK_FALSE(isSuggested(bar(0.039, 0.01, 0.01), {.count = 500, .axes = oblique}));
   CHECK_FALSE(isSuggested(bar(0.01, 0.01, 0.01), {.count = 500, .axes = oblique}));
-  // By default the lattice follows the faces, those of a rotated beam as well.
+  // By default the lattice follows the faces, also if the beam is rotated.
   CHECK_FALSE(isSuggested(beam, {.count = 500}));
   for (Vec3 &x : beam.surface.positions) x = oblique * x;
   CHECK_FALSE(isSuggested(beam, {.count = 500}));
   CHECK(isSuggested(beam, {.count = 500, .axes = Mat3::Identity()}));
   const Mat3 slightly = Eigen::AngleAxisd(0.1, Vec3::UnitX()).toRotationMatrix();
   CHECK_FALSE(isSuggested(beam, {.count = 500, .axes = Mat3(oblique * slightly)}));
+
+  // Two compact parts far apart are not elongated.
+  BodyShape pair = bar(0.01, 0.01, 0.01);
+  const Surface far = shapes::boxSurface(Vec3(0.5, 0, 0), Vec3(0.51, 0.01, 0.01));
+  const auto first = static_cast<Index>(pair.surface.positions.size());
+  pair.surface.positions.insert(pair.surface.positions.end(), far.positions.begin(), far.positions.end());
+  for (const auto &t : far.triangles) pair.surface.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  CHECK_FALSE(isSuggested(pair, {.count = 500, .axes = oblique}));
 
   // Neither irregular cells nor materials without vectorised kernels.
   const LatticeSampling plain{.spacing = 0.002, .axes = Mat3::Identity()};
@@ -399,5 +407,11 @@ TEST_CASE("second order is suggested for slender bodies oblique to their lattice
   CHECK_FALSE(suggestsSecondOrder(beam, {.sampling = plain}, other));
   other = elastic;
   other.materials.push_back(other.materials.front());
+  CHECK_FALSE(suggestsSecondOrder(beam, {.sampling = plain}, other));
+  // Auxetic: no kernel evaluates the logarithm's negative factor.
+  other = elastic;
+  other.materials.front().law = MaterialLaw::neoHookean;
+  CHECK(suggestsSecondOrder(beam, {.sampling = plain}, other));
+  other.materials.front().poissonRatio = -0.2;
   CHECK_FALSE(suggestsSecondOrder(beam, {.sampling = plain}, other));
 }

@@ -262,7 +262,7 @@ TEST_CASE("second order: springs and a rotation are in the finest matrix", "[mul
   for (const double support : {0.0, 1e3}) {
     Problem problem = obliqueBeam(0.01, 0.3, support, turn);
     CHECK((problem.springs.rows() > 5) == (support > 0.0));
-    // Noise has the same energy in any direction, a rotated bend has not.
+    // Random displacements cannot detect a missing rotation; a rotated bend can.
     std::vector<Vec3> bent(problem.held.size(), Vec3::Zero());
     for (std::size_t i = 0; i < bent.size(); ++i) {
       const Vec3 x = problem.body.positions[i] + problem.body.origin;

@@ -17,11 +17,13 @@ struct Fixture {
   std::vector<std::pair<MeasureKind, std::vector<MeasurementPick>>> placed;
   std::vector<std::pair<std::string, MeasurementPick>> moved;
   std::vector<std::string> removed;
+  std::vector<std::pair<std::string, Vec3>> targeted;
   MeasurementTools tools{
       {list, nullptr, nullptr, [](const Vec3 &) { return 1.0; },
        [this](MeasureKind kind, std::vector<MeasurementPick> picks) { placed.emplace_back(kind, std::move(picks)); },
        [this](const std::string &name, const MeasurementPick &pick) { moved.emplace_back(name, pick); },
-       [this](const std::string &name) { removed.push_back(name); }}};
+       [this](const std::string &name) { removed.push_back(name); },
+       [this](const std::string &name, const Vec3 &at, bool) { targeted.emplace_back(name, at); }}};
 
   Fixture() { tools.addTo(registry); }
 
@@ -120,4 +122,36 @@ TEST_CASE("A landmark is dragged, selected and deleted") {
   key.key = keyDelete;
   CHECK(f.registry.dispatch(key));
   CHECK(f.removed == std::vector<std::string>{"tip"});
+}
+
+TEST_CASE("The target of a landmark is the next click, and Escape or another tool cancels it") {
+  Fixture f;
+  MeasurementSet set;
+  set.points = {{"tip", {}, {50, 0, 100}, {}, false, false}};
+  f.list.edit("add", set);
+  f.use("measure.distance");
+  f.tools.placeTargetOf("tip");
+  CHECK(f.tools.targetOf() == "tip");
+  (void)f.send(C3DE_EVENT_MOVE, 20, 0);
+  CHECK(f.tools.follower() == Vec3{20, 0, 100});
+  CHECK_FALSE(f.click(9, 9, -1.0));  // nothing is there
+  CHECK(f.targeted.empty());
+  // Also over the landmark itself, which would be dragged otherwise.
+  CHECK(f.click(51, 0));
+  REQUIRE(f.targeted.size() == 1);
+  CHECK(f.targeted.front() == std::pair(std::string("tip"), Vec3{51, 0, 100}));
+  CHECK(f.placed.empty());
+  CHECK(f.moved.empty());
+  CHECK(f.tools.targetOf().empty());
+  // Only one click.
+  CHECK(f.click(5, 6));
+  CHECK(f.placed.size() == 1);
+  CHECK(f.targeted.size() == 1);
+  f.tools.placeTargetOf("tip");
+  (void)f.registry.activate({});
+  CHECK(f.tools.targetOf().empty());
+  f.tools.placeTargetOf("tip");
+  f.use("measure.angle");
+  CHECK(f.click(9, 9));
+  CHECK(f.targeted.size() == 1);
 }

@@ -8,6 +8,7 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
+#include "c3de/geometry/rigid_fit.h"
 #include "c3de/session/landmark_file.h"
 #include "c3de/session/recording_file.h"
 
@@ -77,7 +78,8 @@ MeasurementController::MeasurementController(Parts parts)
             ui::MeasurementSet set = list_.set();
             set.remove(name);
             list_.edit("delete " + name, std::move(set));
-          }}),
+          },
+          [this](const std::string &name, const Vec3 &at_mm, bool isInSlice) { placeTarget(name, at_mm, isInSlice); }}),
       tracker_([this] { return parts_.session.plugins().takeError(); }) {
   tools_.addTo(parts_.tools);
 }
@@ -113,6 +115,20 @@ void MeasurementController::place(ui::MeasureKind kind, const std::vector<ui::Me
     for (std::size_t i = 0; i < picks.size(); ++i)
       if (picks[i].name.empty() && !picks[i].isAtRest) list_.placeNow(names[i], picks[i].at_mm);
   });
+}
+
+void MeasurementController::placeTarget(const std::string &name, const Vec3 &at_mm, bool isInSlice) {
+  const ui::Comparison *second = parts_.images.views().comparison();
+  const bool isMoved = isInSlice && second && second->isShown() && second->revision() != 0;
+  ui::MeasurementSet set = list_.set();
+  if (!set.point(name)) return;
+  const Vec3 target_mm = isMoved ? transformPoint(geometry::rigidInverse(second->worldFromSecond()), at_mm) : at_mm;
+  set.setTarget(name, target_mm);
+  list_.edit("set target of " + name, std::move(set));
+  list_.selected = name;
+  if (isMoved)
+    parts_.panels.notify(C3DE_LOG_INFO, "Target of " + name,
+                         "It is at its position in the file of the second scan, without the motion of Compare.");
 }
 
 void MeasurementController::resolve(const std::vector<ui::MeasurementPick> &picks, Resolved done) {
@@ -170,13 +186,10 @@ void MeasurementController::loadTargets(const std::filesystem::path &file) {
   std::vector<std::string> names;
   for (const ui::MeasuredPoint &one : set.points) names.push_back(one.name);
   for (const FileLandmark &one : *read) {
-    bool isFound = false;
-    for (ui::MeasuredPoint &point : set.points)
-      if (point.name == one.name) {
-        point.target_mm = one.lps_mm;
-        isFound = true;
-      }
-    if (isFound) continue;
+    if (set.point(one.name)) {
+      set.setTarget(one.name, one.lps_mm);
+      continue;
+    }
     const std::string nearest = nearestName(one.name, names);
     return parts_.failed(
         title, {ErrorCode::input, one.where + ": there is no landmark '" + displayText(one.name) + "'; " +

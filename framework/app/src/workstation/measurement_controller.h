@@ -62,6 +62,8 @@ class MeasurementController {
  private:
   using Resolved = std::function<void(const std::vector<Vec3> &reference_mm)>;
   void place(ui::MeasureKind kind, const std::vector<ui::MeasurementPick> &picks);
+  /// In a slice that shows a second scan: where the point is in that scan.
+  void placeTarget(const std::string &name, const Vec3 &at_mm, bool isInSlice);
   /// Positions at rest of what was clicked, found on the simulation's thread.
   void resolve(const std::vector<ui::MeasurementPick> &picks, Resolved done);
   void load(const std::filesystem::path &file);

@@ -83,6 +83,11 @@ void MeasurementSet::setHidden(const std::string &name, bool isHidden) {
     if (one.name == name) one.isHidden = isHidden;
 }
 
+void MeasurementSet::setTarget(const std::string &name, const std::optional<Vec3> &at_mm) {
+  for (MeasuredPoint &one : points)
+    if (one.name == name) one.target_mm = at_mm;
+}
+
 void MeasurementSet::mergeScene(const MeasurementSet &scene) {
   const MeasurementSet before = std::move(*this);
   *this = scene;

@@ -30,6 +30,7 @@ void MeasurementTools::addTo(registry::ToolRegistry &tools) {
       {{"measure.landmark", "Landmark", "Click: place a landmark. Drag one: move it. Delete: remove it", 'L'},
        {"measure.distance", "Distance", "Click two points, or drag from one to the other. Esc: cancel", 'U'},
        {"measure.angle", "Angle", "Click three points; the second is the vertex. Esc: cancel", 'A'}}};
+  registry_ = &tools;
   for (std::size_t i = 0; i < kTexts.size(); ++i) {
     tools_[i] = {this, static_cast<MeasureKind>(i)};
     registry::Tool tool;
@@ -45,8 +46,14 @@ void MeasurementTools::addTo(registry::ToolRegistry &tools) {
       *consumed = one.all->handle(one.kind, *event) ? 1 : 0;
       return C3DE_OK;
     };
-    tools.add(std::move(tool));
+    const Handle added = tools.add(std::move(tool));
+    if (tools_[i].kind == MeasureKind::landmark) landmarkTool_ = added;
   }
+}
+
+void MeasurementTools::placeTargetOf(const std::string &name) {
+  if (registry_ == nullptr || !registry_->activate(landmarkTool_)) return;
+  targetOf_ = name;
 }
 
 std::optional<std::pair<std::string, Vec3>> MeasurementTools::dragged() const {
@@ -129,6 +136,15 @@ bool MeasurementTools::press(MeasureKind kind, const c3de_event &event) {
   pressX_ = event.x_px;
   pressY_ = event.y_px;
   hasDragged_ = false;
+  if (!targetOf_.empty()) {
+    const auto at = locate(event);
+    if (!at) return false;
+    isDown_ = true;
+    follower_.reset();
+    const std::string name = std::exchange(targetOf_, {});
+    if (parts_.targeted) parts_.targeted(name, *at, event.where != C3DE_IN_SPACE);
+    return true;
+  }
   if (const MeasuredPoint *point = under(event)) {
     isDown_ = true;
     parts_.list.selected = point->name;
@@ -152,7 +168,11 @@ void MeasurementTools::move(const c3de_event &event) {
     draggedAt_ = inPlaneOf(draggedAt_, event);
     hasDragged_ = true;
   }
-  follower_ = pending_.empty() ? std::nullopt : std::optional(inPlaneOf(pending_.back().at_mm, event));
+  follower_.reset();
+  if (!pending_.empty())
+    follower_ = inPlaneOf(pending_.back().at_mm, event);
+  else if (const MeasuredPoint *point = parts_.list.set().point(targetOf_))
+    follower_ = inPlaneOf(shownAt(*point, event.where != C3DE_IN_SPACE), event);
 }
 
 void MeasurementTools::release(MeasureKind kind, const c3de_event &event) {
@@ -185,6 +205,7 @@ void MeasurementTools::cancel() {
   pending_.clear();
   follower_.reset();
   draggedName_.clear();
+  targetOf_.clear();
   hasDragged_ = isDown_ = false;
 }
 

@@ -105,6 +105,13 @@ void drawHovered(const MarkView &view, const MeasurementList &list, const Measur
   }
 }
 
+/// Slices show a target in the second scan where that scan is shown.
+Vec3 shownTarget(const MarkView &view, const Vec3 &target_mm) {
+  const ImageViews *images = view.isInSlice ? view.frame.shownImages() : nullptr;
+  return images && images->isCompared() ? transformPoint(images->comparison()->worldFromSecond(), target_mm)
+                                        : target_mm;
+}
+
 void drawAll(MarkView view) {
   const MeasurementList *list = view.frame.services.measurements;
   const MeasurementTools *tools = view.frame.services.measurementTools;
@@ -115,8 +122,9 @@ void drawAll(MarkView view) {
     if (one.isHidden) continue;
     const Vec3 at = tools->shownAt(one, view.isInSlice);
     if (one.target_mm) {
-      drawLine(view, at, *one.target_mm, kTarget);
-      drawPoint(view, *one.target_mm, kTarget, {});
+      const Vec3 target = shownTarget(view, *one.target_mm);
+      drawLine(view, at, target, kTarget);
+      drawPoint(view, target, kTarget, {});
     }
     const auto row = list->row(one.name);
     const std::string moved = row ? row->label() : std::string();
@@ -124,6 +132,9 @@ void drawAll(MarkView view) {
               one.name + (moved.empty() ? "" : "  " + moved));
   }
   drawHovered(view, *list, *tools);
+  const MeasuredPoint *targeted = list->set().point(tools->targetOf());
+  if (const auto follower = tools->follower(); follower && targeted)
+    drawLine(view, tools->shownAt(*targeted, view.isInSlice), *follower, kTarget);
   const auto &pending = tools->pending();
   for (std::size_t i = 0; i < pending.size(); ++i) {
     drawPoint(view, pending[i].at_mm, kSelected, {});

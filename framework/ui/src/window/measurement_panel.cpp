@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "c3de/ui/measurement_list.h"
+#include "c3de/ui/measurement_tools.h"
 #include "frame/file_dialog.h"
 #include "window/chrome.h"
 
@@ -64,6 +65,7 @@ void drawRow(FrameContext &frame, MeasurementList &list, const MeasurementRow &r
     const auto text = [](const Vec3 &p) { return fmt::format("{:.4f} {:.4f} {:.4f}", p[0], p[1], p[2]); };
     automation.value(kArea, row.name + ".reference", text(point->reference_mm));
     automation.value(kArea, row.name + ".at", text(list.positionOf(*point)));
+    automation.value(kArea, row.name + ".target", point->target_mm ? text(*point->target_mm) : "none");
   }
   if (row.error_mm)
     automation.value(kArea, row.name + ".error", fmt::format("{:.4f} {:.4f}", (*row.error_mm)[0], (*row.error_mm)[1]));
@@ -195,7 +197,26 @@ void drawFileButtons(FrameContext &frame, MeasurementList &list, bool isFree) {
          [&] { openDialog(frame, "Export curves", "csv", "measurements.csv", actions.exportCurves); });
 }
 
-/// Name, visibility and removal of the selected row.
+/// Where the selected landmark was measured.
+void drawTarget(FrameContext &frame, MeasurementList &list, const MeasuredPoint &point, bool isFree) {
+  MeasurementTools *tools = frame.services.measurementTools;
+  if (tools == nullptr) return;
+  const bool isPlacing = tools->targetOf() == point.name;
+  button(frame, "Set target", "set_target",
+         "The next click is where this landmark was measured; with a second scan over the image, a click on that scan",
+         isFree && !isPlacing, [&] { tools->placeTargetOf(point.name); });
+  button(frame, "Remove target", "remove_target", "The landmark stays; a match does not use it",
+         isFree && point.target_mm.has_value(), [&] {
+           MeasurementSet set = list.set();
+           set.setTarget(point.name, std::nullopt);
+           list.edit("remove target of " + point.name, std::move(set));
+         });
+  if (!isPlacing) return;
+  const std::string hint = "Click where " + point.name + " was measured. Esc: cancel";
+  ImGui::TextWrapped("%s", hint.c_str());
+}
+
+/// Name, visibility and removal of the selected row, and its target.
 void drawSelected(FrameContext &frame, MeasurementList &list, bool isFree) {
   if (list.selected.empty()) return;
   const auto row = list.row(list.selected);
@@ -238,6 +259,7 @@ void drawSelected(FrameContext &frame, MeasurementList &list, bool isFree) {
            set.remove(row->name);
            list.edit("delete " + row->name, std::move(set));
          });
+  if (const MeasuredPoint *point = list.set().point(row->name)) drawTarget(frame, list, *point, isFree);
 }
 
 }  // namespace

@@ -56,6 +56,8 @@ struct MeasurementSet {
   /// Errors (usage): the name is empty or already used.
   [[nodiscard]] Expected<void> rename(const std::string &name, const std::string &wanted);
   void setHidden(const std::string &name, bool isHidden);
+  /// No effect without a landmark of this name.
+  void setTarget(const std::string &name, const std::optional<Vec3> &at_mm);
   /// What the scene has replaces what has the same name or came from a scene before; the rest stays.
   void mergeScene(const MeasurementSet &scene);
   friend bool operator==(const MeasurementSet &, const MeasurementSet &) = default;

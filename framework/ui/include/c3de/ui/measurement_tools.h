@@ -28,7 +28,8 @@ struct MeasurementPick {
 };
 
 /// The tools Landmark, Distance and Angle. A click places a point, or uses the point under the mouse. Dragging moves a
-/// point (Landmark), or places the second one (Distance). Main thread.
+/// point (Landmark), or places the second one (Distance). After placeTargetOf() the next click places the target of a
+/// landmark. Main thread.
 class MeasurementTools {
  public:
   struct Parts {
@@ -40,13 +41,20 @@ class MeasurementTools {
     std::function<void(MeasureKind, std::vector<MeasurementPick>)> placed;
     std::function<void(const std::string &name, const MeasurementPick &)> moved;
     std::function<void(const std::string &name)> removed;
+    /// The target of a landmark was clicked, in the world of the open image.
+    std::function<void(const std::string &name, const Vec3 &at_mm, bool isInSlice)> targeted;
   };
   explicit MeasurementTools(Parts parts) : parts_(std::move(parts)) {}
   MeasurementTools(const MeasurementTools &) = delete;
   MeasurementTools &operator=(const MeasurementTools &) = delete;
 
-  /// Registers the three tools; this must outlive their use.
+  /// Registers the three tools; both must outlive their use.
   void addTo(registry::ToolRegistry &tools);
+
+  /// Activates the tool Landmark, whose next click is the target of this landmark. Escape and other tools cancel it.
+  void placeTargetOf(const std::string &name);
+  /// The landmark whose target is placed next; empty: none.
+  [[nodiscard]] const std::string &targetOf() const { return targetOf_; }
 
   /// Points of the unfinished measurement, and the point under the mouse that would follow.
   [[nodiscard]] const std::vector<MeasurementPick> &pending() const { return pending_; }
@@ -77,6 +85,9 @@ class MeasurementTools {
   [[nodiscard]] const MeasuredPoint *under(const c3de_event &event) const;
 
   Parts parts_;
+  registry::ToolRegistry *registry_ = nullptr;
+  Handle landmarkTool_;
+  std::string targetOf_;
   std::array<Tool, 3> tools_{};
   std::vector<MeasurementPick> pending_;
   std::optional<Vec3> follower_;

@@ -62,8 +62,8 @@ struct AccuracySurvey {
   double largest = 0.0;                       ///< m, displacement under the loads
   double difference = 0.0;                    ///< skinDifference() of the two, as a fraction of `largest`
   /// skinDifference() of the coarse trial and of the same cells with quadratic functions, as a fraction of `largest`:
-  /// the error due to cells oblique to the body. 0: the trials themselves have these functions, no cell has them
-  /// because the lattice fits the body, jitter, or no solution
+  /// the error due to cells oblique to the body. 0 if the trials are already quadratic, no cell is quadratic because the
+  /// lattice fits the body, there is jitter, or no solution
   double orderDifference = 0.0;
   Vec3 worst = Vec3::Zero();  ///< world, m, at rest: skin sample with the largest difference
   /// Supports, loads or both are missing: the lowest tenth of the body was held, and its weight was the load
@@ -147,27 +147,29 @@ struct SamplingChoice {
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
                                             const CostSetting &setting, const AccuracyTarget &target);
 
-/// Whether vectorised kernels evaluate quadratic cells: one material, without flow, relaxation or a law of a plugin. Else
-/// these cells take some 20 times as long.
-[[nodiscard]] bool supportsSecondOrder(const Constitution &constitution);
-
-/// Whether trials of second order are worth their time: the kernels of second order support the material, and the
-/// target is a budget, or first order does not meet it, or needs more phyxels than the fine trial (without a target: than
-/// automaticCount()).
+/// Whether trials of second order are worth their time: suitsSecondOrder(), and one of
+/// - the target is a budget;
+/// - first order does not meet the target;
+/// - first order needs more phyxels than the fine trial; without a target, than automaticCount().
 /// @param first  of a survey of first order
 [[nodiscard]] bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first,
                                       const Constitution &constitution, const AccuracyTarget &target);
-/// Whether second order is to be preferred: only it meets the target, or it takes less than 0.8 of the time. For a
-/// budget, or if neither meets the target: only it is within the time, or its error is less than 0.8 of that of first
-/// order. If neither is within the time: it is faster.
+/// Whether second order is preferable:
+/// - only it meets the target, or both do and it takes less than 0.8 of the time;
+/// - for a budget, or if neither meets the target: only it is within the time, or both are and its error is less than
+///   0.8 of that of first order; if neither is within the time, it is faster.
 [[nodiscard]] bool prefersSecondOrder(const SamplingChoice &first, const SamplingChoice &second,
                                       const AccuracyTarget &target);
 
-/// Whether second order pays for a specified spacing or count: its kernels support the material, the cells are uniform,
-/// the body is slender, at least four times as long as thick, and its surface oblique to the lattice. Length and thickness
-/// are edges of the cuboid with the same second moments of volume. Oblique is a misalignment (latticeDirection() in
-/// src/discretisation/lattice) above 0.05: all faces at 10 degrees, or a third of them at 20.
-/// The spacing has no influence, so that a series of samplings converges with one order.
+/// Whether second order is worthwhile for this material: there is one, it neither flows nor relaxes, and a vectorised
+/// kernel evaluates it.
+[[nodiscard]] bool suitsSecondOrder(const Constitution &constitution);
+/// Whether second order is worthwhile when the spacing or the count is specified: suitsSecondOrder(), the cells are
+/// uniform, the body is elongated or flat, and its surface is oblique to the lattice. It is elongated or flat if the
+/// longest edge of the box with the same second moments is at least four times the shortest; of a body of several parts
+/// the largest counts. It is oblique if its misalignment (latticeDirection() in src/discretisation/lattice) exceeds 0.05,
+/// for example with all faces at 10 degrees, or a quarter of them round. The spacing has no influence, so that a series
+/// of samplings has the same order throughout.
 [[nodiscard]] bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe,
                                        const Constitution &constitution);
 

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
+#include <numeric>
 
 #include "base/number_text.h"
 #include "discretisation/lattice/lattice_direction.h"
+#include "forces/vector_forces_parts.h"
 #include "pointbased/accuracy.h"
 #include "pointbased/sampling.h"
 #include "stepping/monitoring/step_cost.h"
@@ -23,8 +27,8 @@ struct ErrorModel {
 };
 constexpr ErrorModel kFirstOrder{0.08, 1.14, 0.98, 0.41}, kSecondOrder{-0.41, 1.02, 1.31, 0.62};
 constexpr double kOrderDifferenceWeight = 0.5;
-constexpr double kSpreadPerLog = 0.3;  // additional, per log of the extrapolation to finer spacings
-constexpr double kSpreadBeyond = 0.6;  // additional, per log of the extrapolation to spacings coarser than any trial
+constexpr double kSpreadPerLog = 0.3;  // additional, per log(spacing ratio), towards finer spacings
+constexpr double kSpreadBeyond = 0.6;  // additional, per log(spacing ratio), towards spacings coarser than any trial
 constexpr double kNineOfTen = 1.645;   // standard deviations, both sides
 constexpr double kMinDifference = 1e-5;
 // Time of an implicit step in contact, relative to one without contact: bench_contact --pressed, 13 … 31.
@@ -210,44 +214,75 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
 
 namespace {
 
-/// m, edges of the cuboid with the second moments of volume of a closed surface, in ascending order.
-Vec3 cuboidEdges(const Surface &surface) {
+/// Volume and its first and second moments about one point.
+struct VolumeMoments {
   double volume = 0.0;
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
-  const Vec3 origin = surface.positions.front();
-  // Signed tetrahedra from one point to each triangle.
-  for (const auto &t : surface.triangles) {
-    Mat3 corners;
-    for (int i = 0; i < 3; ++i) corners.col(i) = surface.positions[t[static_cast<std::size_t>(i)]] - origin;
+
+  /// Adds the tetrahedron from the point to a triangle, whose corners are columns.
+  void add(const Mat3 &corners) {
     const double part = corners.determinant() / 6.0;
     const Vec3 sum = corners.rowwise().sum();
     volume += part;
     first += part / 4.0 * sum;
     second += part / 20.0 * (corners * corners.transpose() + sum * sum.transpose());
   }
-  const Mat3 central = second / volume - first * first.transpose() / (volume * volume);
-  return (12.0 * Eigen::SelfAdjointEigenSolver<Mat3>(central, Eigen::EigenvaluesOnly).eigenvalues())
-      .cwiseMax(0.0)
-      .cwiseSqrt();
+  /// m, edges of the box with these moments, in ascending order.
+  [[nodiscard]] Vec3 boxEdges() const {
+    const Mat3 central = second / volume - first * first.transpose() / (volume * volume);
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(central, Eigen::EigenvaluesOnly);
+    return (12.0 * eigen.eigenvalues()).cwiseMax(0.0).cwiseSqrt();
+  }
+};
+
+/// Of the connected part of a closed surface with the largest volume. Vertices at one point are connected.
+VolumeMoments momentsOfLargest(const Surface &surface) {
+  std::vector<std::size_t> parent(surface.positions.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto rootOf = [&](std::size_t vertex) {
+    while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+    return vertex;
+  };
+  std::map<std::array<double, 3>, std::size_t> first;
+  for (std::size_t i = 0; i < parent.size(); ++i) {
+    const Vec3 &x = surface.positions[i];
+    parent[i] = first.try_emplace({x[0], x[1], x[2]}, i).first->second;
+  }
+  for (const auto &t : surface.triangles) {
+    parent[rootOf(t[1])] = rootOf(t[0]);
+    parent[rootOf(t[2])] = rootOf(t[0]);
+  }
+  std::map<std::size_t, VolumeMoments> parts;
+  const Vec3 origin = surface.positions.front();
+  for (const auto &t : surface.triangles) {
+    Mat3 corners;
+    for (int i = 0; i < 3; ++i) corners.col(i) = surface.positions[t[static_cast<std::size_t>(i)]] - origin;
+    parts[rootOf(t[0])].add(corners);
+  }
+  return std::max_element(parts.begin(), parts.end(),
+                          [](const auto &a, const auto &b) { return a.second.volume < b.second.volume; })
+      ->second;
 }
 
 }  // namespace
 
-bool supportsSecondOrder(const Constitution &constitution) {
+bool suitsSecondOrder(const Constitution &constitution) {
   if (constitution.materials.size() != 1) return false;
   const Material &material = constitution.materials.front();
-  return !material.plastic.enabled() && !material.relaxes() && material.law != MaterialLaw::custom;
+  return !constitution.hasHistory() && !material.relaxes() && detail::kernelKnows(material);
 }
 
 bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe, const Constitution &constitution) {
-  constexpr double kSlender = 4.0, kOblique = 0.05;
+  constexpr double kElongated = 4.0, kOblique = 0.05;
   const LatticeSampling &sampling = recipe.sampling;
-  if (!supportsSecondOrder(constitution) || sampling.jitter > 0.0 || sampling.surfaceSpacing > 0.0 ||
+  if (!suitsSecondOrder(constitution) || sampling.jitter > 0.0 || sampling.surfaceSpacing > 0.0 ||
       !sampling.refinements.empty() || shape.surface.triangles.empty())
     return false;
-  const Vec3 edges = cuboidEdges(shape.surface);
-  if (!(edges[2] >= kSlender * edges[0])) return false;
+  const VolumeMoments moments = momentsOfLargest(shape.surface);
+  if (!(moments.volume > 0.0)) return false;
+  const Vec3 edges = moments.boxEdges();
+  if (!(edges[2] >= kElongated * edges[0])) return false;
   std::vector<Region> held;
   for (const Fix &fix : recipe.fixes) held.push_back(fix.region);
   const Mat3 axes = sampling.axes ? *sampling.axes : lattice::latticeDirection(shape, held);
@@ -256,7 +291,7 @@ bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe, const
 
 bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first, const Constitution &constitution,
                         const AccuracyTarget &target) {
-  if (survey.order != LatticeOrder::linear || !supportsSecondOrder(constitution)) return false;
+  if (survey.order != LatticeOrder::linear || !suitsSecondOrder(constitution)) return false;
   if (target.kind == AccuracyTarget::Kind::budget || !first.unmet.empty()) return true;
   std::size_t cheap = survey.fine.phyxels;
   if (target.kind == AccuracyTarget::Kind::standard)

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSimulated = 0.5, kLongest = 0.3;  // s, simulated time and computing time of one run
 constexpr double kLongestOfAll = 2.0;               // s, computing time of all runs
-constexpr std::size_t kFewest = 5;                  // frames; fewer if they take longer than all runs may
-constexpr int kFewestRuns = 3, kMaxRuns = 12;
+constexpr std::size_t kFewest = 5;                  // frames; fewer once kLongestOfAll is reached
+constexpr int kMaxRuns = 12;
 constexpr double kSettled = 0.02;  // relative change of the result by a run
 constexpr double kPart = 0.95;     // quantile of the frames
 
@@ -64,12 +64,12 @@ double measureFrame(const Body &body, const WorldSettings &world, std::span<cons
     alone.reset();
     double computed = 0.0, frameBegan = 0.0;
     std::size_t frames = 0;
-    const auto goesOn = [&](std::size_t k) {
+    const auto hasNext = [&](std::size_t k) {
       if (run > 0) return k < timed.steps.size();
       return frames == 0 || (frames < kFewest && computed < kLongestOfAll) ||
              (alone.time() < kSimulated && computed < kLongest);
     };
-    for (std::size_t k = 0; goesOn(k); ++k) {
+    for (std::size_t k = 0; hasNext(k); ++k) {
       const double before = alone.time();
       const detail::WorkTimer stepped;
       if (!alone.step(stop)) return 0.0;
@@ -92,7 +92,7 @@ double measureFrame(const Body &body, const WorldSettings &world, std::span<cons
     const double now = timed.frame();
     settled = run > 0 && frame - now <= kSettled * now ? settled + 1 : 0;
     frame = now;
-    if (spent > kLongestOfAll || (run + 1 >= kFewestRuns && settled >= 2)) break;
+    if (spent > kLongestOfAll || settled >= 2) break;
   }
   return 1e3 * frame;
 }

@@ -271,10 +271,10 @@ constexpr std::array kBody{
                 {0.0, 1e4, 0.0, 0.02}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     choiceParam(
         {"sampling.order", "Order", "",
-         "stress_points: functions of the cells that the surface cuts. linear: from their corners; quadratic: "
-         "from up to four phyxels in a line as well, which bends alike in every direction of the lattice; a "
-         "simulated second takes 2.3 to 2.8 times as long; auto: quadratic where the accuracy setting chooses it and, "
-         "with a specified spacing or count, for slender bodies oblique to their lattice; else linear",
+         "stress_points: shape functions of the cells that the surface cuts. linear: from their corners. quadratic: "
+         "from up to four phyxels in a line as well, which bends alike in every direction of the lattice. A simulated "
+         "second then takes 2.3 to 2.8 times as long. auto: quadratic where the accuracy setting chooses it. With a "
+         "specified spacing or count: quadratic for elongated or flat bodies with curved or tilted faces, else linear",
          "Sampling"},
         kOrders, "auto", C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     numberParam({"sampling.jitter", "Jitter", "",

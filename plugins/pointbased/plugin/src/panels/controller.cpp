@@ -229,8 +229,8 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.tooltip(held > 0 ? "Those that supports and rigid tissue hold count as well" : "");
     ui.value("Surfels", std::to_string(body->surfels.size()));
     const bool isQuadratic = !body->rest->stencils.quadratic.points.empty();
-    ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm" + (isQuadratic ? ", second order" : ""));
-    ui.tooltip(isQuadratic ? "Cells that the surface cuts have quadratic functions (Order, sampling.order)" : "");
+    ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm" + (isQuadratic ? ", quadratic cells" : ""));
+    ui.tooltip(isQuadratic ? "Cells that the surface cuts have quadratic shape functions (Order, sampling.order)" : "");
     ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) +
                                ", mean " + fixed(body->neighbours.mean, 1));
     ui.value("Mass", significant(body->mass, 4) + " kg");

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointbased/accuracy.h"
-
 namespace pointbased {
 namespace {
 
@@ -103,10 +101,10 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
     if (!body.rigid() && static_cast<double>(held) > kReportedHeldShare * static_cast<double>(all))
       lines.push_back("body '" + body.name() + "': " + std::to_string(held) + " of its " + std::to_string(all) +
                       " phyxels are held, in rigid tissue or by supports; a requested count includes them");
-    if (!body.rigid() && !body.rest().stencils.quadratic.points.empty() && !supportsSecondOrder(body.constitution()))
+    if (!body.rigid() && !body.rest().stencils.quadratic.points.empty() && body.constitution().hasHistory())
       lines.push_back("body '" + body.name() +
-                      "': with this material, steps take up to 20 times as long with functions of second order; "
-                      "sampling.order = \"linear\" avoids it");
+                      "': with flow or relaxation, quadratic cells slow each step by up to 20 times; "
+                      "use sampling.order = \"linear\"");
   }
   constexpr std::size_t kMaxOfAKind = 3;
   for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {

@@ -379,8 +379,9 @@ BuiltBody build(const Services &services, const MaterialLaws &laws, const std::s
     return out;
   }
   if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
-  if (values.text("sampling.order") == "auto" && values.text("sampling.adaptive") != "on" && !isRigid(values) &&
-      recipe.evaluation == Evaluation::stressPoints && suggestsSecondOrder(*shape, recipe, constitution))
+  // Whatever is rigid may be freed later.
+  if (values.text("sampling.order") == "auto" && recipe.evaluation == Evaluation::stressPoints &&
+      suggestsSecondOrder(*shape, recipe, constitution))
     recipe.sampling.order = LatticeOrder::quadratic;
   out.body = bodyOf(making, std::move(recipe), out.adaptive);
   return out;

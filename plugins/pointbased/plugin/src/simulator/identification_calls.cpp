@@ -52,11 +52,13 @@ void checkAlone(const SimulatorParts &parts, std::uint64_t id, const BodyRecord 
              "'; a fit contains no contact, so disable that of the pair, or remove the body");
 }
 
-/// Name of a material of a body, by its number: that of the body, then those of its parts.
+/// Name of a material of a body, by its number: that of the body, then those of its parts. Unique within the body.
 std::string nameOfMaterial(const BodySource &source, const std::string &body, std::size_t material) {
   if (material == 0 || material > source.parts.size()) return body;
   const std::string &name = source.parts[material - 1].name;
-  return name.empty() ? body + ".parts." + std::to_string(material - 1) : name;
+  const bool isUnique =
+      std::count_if(source.parts.begin(), source.parts.end(), [&](const auto &part) { return part.name == name; }) == 1;
+  return name.empty() || name == body || !isUnique ? body + ".parts." + std::to_string(material - 1) : name;
 }
 
 nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(); }

@@ -22,7 +22,7 @@ namespace pointbased::lattice {
 /// @source  Comon, Independent component analysis, a new concept?, 1994: Jacobi sweeps over fourth moments
 [[nodiscard]] Mat3 latticeDirection(const BodyShape &shape, std::span<const Region> held);
 
-/// m of a surface, 0 … 2/3; 0 without triangles.
+/// Misalignment m(R) of a surface, 0 … 2/3 (see latticeDirection()); 0 without triangles.
 /// @param axes  columns, a rotation
 [[nodiscard]] double misalignment(const Surface &surface, const Mat3 &axes);
 
