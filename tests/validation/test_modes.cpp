@@ -9,6 +9,7 @@
 #include "solved_body.h"
 #include "support/catch.h"
 #include "truth_file.h"
+#include "truth_problems.h"
 #include "validation_table.h"
 
 using namespace pointbased;
@@ -173,4 +174,23 @@ TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
              .limit = n <= 3 ? 0.01 : 0.003,
              .milliseconds = watch.milliseconds()});
   }
+}
+
+TEST_CASE("frequencies in thirty random directions of the lattice, first and second order", "[.directions]") {
+  const std::pair<const char *, std::size_t> modes[] = {{"f_bending_1", 0}, {"f_bending_1", 1}, {"f_torsion_1", 2}};
+  const std::vector<Mat3> turns = randomDirections(30);
+  for (const LatticeOrder order : {LatticeOrder::linear, LatticeOrder::quadratic})
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+      Problem problem = vibrating(beam(), kWidth / 3);
+      problem.recipe.sampling.axes = turns[k];
+      problem.recipe.sampling.order = order;
+      SolvedBody body(problem.hold(face(0, 0.0)));
+      const std::vector<double> f = elasticOnes(body.body(), 6, false);
+      const std::string name = std::string("cantilever 5 : 1, 3 layers, ") +
+                               (order == LatticeOrder::linear ? "first" : "second") + " order, " + std::to_string(k);
+      for (const auto &[mode, at] : modes)
+        if (const auto known = truth(std::string("beam_frequencies.") + mode))
+          judge(name, std::string(mode) + ", Hz",
+                {.truth = known->value, .uncertainty = known->uncertainty, .ours = f[at]});
+    }
 }

@@ -268,12 +268,7 @@ TEST_CASE("of second order, a beam oblique to its lattice is right: 4 % with thr
 
 // Not run by default: the table of docs/theory/lattice.md.
 TEST_CASE("thirty random directions of the lattice, first and second order", "[.directions]") {
-  shapes::Random random(2026);
-  std::vector<Mat3> turns;
-  while (turns.size() < 30) {
-    const Eigen::Quaterniond q(random(), random(), random(), random());
-    if (q.norm() < 1.0 && q.norm() > 0.1) turns.push_back(q.normalized().toRotationMatrix());
-  }
+  const std::vector<Mat3> turns = randomDirections(30);
   for (const int n : {3, 5})
     for (const LatticeOrder order : {LatticeOrder::linear, LatticeOrder::quadratic})
       for (std::size_t k = 0; k < turns.size(); ++k) {

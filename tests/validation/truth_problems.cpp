@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "../unit/pointbased/shapes.h"
 #include "solid_shapes.h"
 
 namespace validation {
@@ -107,6 +108,16 @@ double quantityOf(SolvedBody &body, const std::string &quantity, double length) 
   if (quantity == "bottom_u_z") return body.displacementAt(Vec3(0, 0, -0.03))[2];
   if (quantity == "mean_u_z") return body.meanWithin(slab(2, -1.0, 0.024))[2];
   throw std::runtime_error("no such quantity: " + quantity);
+}
+
+std::vector<Mat3> randomDirections(std::size_t count) {
+  shapes::Random random(2026);
+  std::vector<Mat3> out;
+  while (out.size() < count) {
+    const Eigen::Quaterniond q(random(), random(), random(), random());
+    if (q.norm() < 1.0 && q.norm() > 0.1) out.push_back(q.normalized().toRotationMatrix());
+  }
+  return out;
 }
 
 }  // namespace validation

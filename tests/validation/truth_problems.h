@@ -28,6 +28,9 @@ inline constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
 /// A flat beam under pressure on its face: a follower pressure, or an equal dead force.
 [[nodiscard]] Problem pressedBeam(double spacing, bool follows);
 
+/// Rotations, evenly distributed; always the same.
+[[nodiscard]] std::vector<pointbased::Mat3> randomDirections(std::size_t count);
+
 /// The value of a solution for a reference value, by the last part of its name.
 [[nodiscard]] double quantityOf(SolvedBody &body, const std::string &quantity, double length = kLength);
 
