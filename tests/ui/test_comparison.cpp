@@ -247,14 +247,44 @@ TEST_CASE("a second scan is moved and rotated by drags and by numbers, and put b
   C3DE_WAIT(window, "all is undone",
             norm(vectorOf(s, kSecond + "translation_mm")) == 0.0 && norm(vectorOf(s, kSecond + "rotation_deg")) == 0.0);
   window.click("comparison/remove");
-  C3DE_WAIT(window, "it is removed", textOf(s, kSecond + "name") == "none");
-  CHECK_FALSE(window.state()["widgets"].contains("toolbar/tool.comparison.move"));
+  C3DE_WAIT(window, "it is removed, and the tool with it",
+            textOf(s, kSecond + "name") == "none" && !s["widgets"].contains("toolbar/tool.comparison.move"));
   window.key("ctrl+z");
   C3DE_WAIT(
       window, "it is back at its position",
       textOf(s, kSecond + "name") == scenario + "_second.nrrd" && norm(vectorOf(s, kSecond + "translation_mm")) == 0.0);
   window.key("ctrl+shift+z");
   C3DE_WAIT(window, "it is removed again", textOf(s, kSecond + "name") == "none");
+}
+
+TEST_CASE("the target of a landmark that is clicked on a moved second scan is its position in that scan",
+          "[comparison_target]") {
+  C3DE_WINDOW_OR_SKIP();
+  const std::string scenario = "comparison_target";
+  WorkstationDriver window(scenario);
+  startOn(window, {imageFile(scenario).string()});
+  openComparison(window, secondFile(scenario, kIdentity4));
+  C3DE_WAIT(window, "the second scan is there", textOf(s, kSecond + "name") == scenario + "_second.nrrd");
+  window.enterNumber("comparison/x", "-31");
+  C3DE_WAIT(window, "it has moved", std::abs(vectorOf(s, kSecond + "translation_mm")[0] + 31.0) < 1e-6);
+  window.click("toolbar/tool.measure.landmark");
+  window.clickAt(pixelOf(window, "axial", {10, 5, 0}));
+  window.click("measurements/header");
+  C3DE_WAIT(window, "a landmark is placed", textOf(s, "measurements/count") == "1");
+  window.click("measurements/set_target");
+  window.clickAt(pixelOf(window, "axial", {-21, 5, 0}));
+  const Json placed = C3DE_WAIT(window, "it has a target", textOf(s, "measurements/Landmark 1.target") != "none");
+  // Both scans are the same phantom, so that the places are the same; a pixel is about half a millimetre.
+  CHECK(norm(vectorOf(placed, "measurements/Landmark 1.target") -
+             vectorOf(placed, "measurements/Landmark 1.reference")) < 1.5);
+  CHECK(messagesOf(placed).find("without the motion of Compare") != std::string::npos);
+  window.screenshotAtRest("target");
+  // Escape cancels the click.
+  window.click("measurements/set_target");
+  C3DE_WAIT(window, "the next click is a target", textOf(s, "measurements/target_of") == "Landmark 1");
+  window.moveTo(pixelOf(window, "axial", {0, 0, 0}));
+  window.key("Escape");
+  C3DE_WAIT(window, "it is no target any more", textOf(s, "measurements/target_of") == "none");
 }
 
 TEST_CASE("what cannot be compared leads to a message, and the image stays", "[comparison_bad]") {

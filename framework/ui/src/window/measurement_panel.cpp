@@ -269,6 +269,8 @@ void drawMeasurements(FrameContext &frame, MeasurementList &list) {
   const bool isFree = !frame.simulation.replay;
   frame.automation.value(kArea, "count", std::to_string(rows.size()));
   frame.automation.value(kArea, "selected", list.selected);
+  if (const MeasurementTools *tools = frame.services.measurementTools)
+    frame.automation.value(kArea, "target_of", tools->targetOf().empty() ? "none" : tools->targetOf());
   if (rows.empty())
     ImGui::TextColored(colour::kDim, "Place points with Landmark, Distance and Angle.");
   else
