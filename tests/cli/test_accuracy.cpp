@@ -356,6 +356,24 @@ at = [0.0005, 0.06, 0.0]
   CHECK(same["bodies"][0]["order"] == "quadratic");
   CHECK_THAT(tip(same), WithinRel(truth, 0.03));
   CHECK(coarse["bodies"][0]["order"] == "linear");
+  // Its error is estimated by trials of the same order.
+  const Json quadratic =
+      reportOf(folder, scene, {"--set", "body.ring.sampling.count=206", "--set", "body.ring.sampling.order=quadratic"});
+  CHECK(same["bodies"][0]["accuracy_statement"] == quadratic["bodies"][0]["accuracy_statement"]);
+  CHECK(same["bodies"][0]["accuracy_statement"] != coarse["bodies"][0]["accuracy_statement"]);
+  const Json refined =
+      reportOf(folder, scene, {"--set", "body.ring.sampling.count=206", "--set", "body.ring.sampling.adaptive=on"});
+  CHECK(refined["bodies"][0]["order"] == "quadratic");
+  // A rigid body may become deformable.
+  const fs::path rigid = writeFile(folder / "rigid.toml", R"(format = 1
+[[body]]
+name = "ring"
+mesh = "ring.obj"
+mesh_unit = "m"
+rigid = true
+sampling = { count = 206 }
+)");
+  CHECK(reportOf(folder, rigid, {"--steps", "1"})["bodies"][0]["order"] == "quadratic");
   const std::vector<std::string> flowing{
       "--set", "body.ring.sampling.count=206",       "--set",   "body.ring.material.plastic.yield=0.1",
       "--set", "body.ring.material.plastic.creep=1", "--steps", "1"};

@@ -234,6 +234,28 @@ class Sensitivities(unittest.TestCase):
         should = (above - below) / (2 * step)
         self.assertAlmostEqual(found.moduli["beam"] / should, 1.0, 3)
 
+    def test_tissues_have_unique_names(self):
+        # Two labels across a bar, the first with the name of the body.
+        voxels = [(1 if i < 6 else 2) if 0 < i < 11 and 0 < j < 3 and 0 < k < 3 else 0
+                  for k in range(4) for j in range(4) for i in range(12)]
+        header = ("NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 12 4 4\n"
+                  "space directions: (10,0,0) (0,10,0) (0,0,10)\nspace origin: (0,0,0)\nencoding: ascii\n"
+                  "Segment0_LabelValue:=1\nSegment0_Name:=beam\nSegment1_LabelValue:=2\nSegment1_Name:=soft\n\n")
+        with tempfile.TemporaryDirectory() as folder:
+            labels = pathlib.Path(folder) / "labels.nrrd"
+            labels.write_text(header + " ".join(map(str, voxels)) + "\n")
+            scene = c3de.Scene("labels", solver={"integrator": "quasistatic"}, world={"gravity": [0, 0, -1]})
+            scene.add("body", name="beam", volume=str(labels), sampling={"spacing": 0.01},
+                      tissues=[{"label": name, "material": {"youngs_modulus": modulus}}
+                               for name, modulus in (("beam", 2e4), ("soft", 1e4))])
+            scene.fix("beam", {"half_space": {"point": [0.006, 0, 0], "normal": [1, 0, 0]}})
+            with scene.open() as sim:
+                sim.run()
+                body = sim.bodies[0]
+                found = body.sensitivity(numpy.ones((len(body.points), 3)))
+        self.assertEqual(list(found.moduli), ["beam", "beam.parts.0", "soft"])
+        self.assertNotEqual(found.moduli["beam.parts.0"], 0.0)
+
     def test_what_is_not_static_is_refused(self):
         with c3de.open(SCENES / "first_light.toml") as sim:
             body = sim.body("organ")

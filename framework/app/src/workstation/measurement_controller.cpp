@@ -118,12 +118,12 @@ void MeasurementController::place(ui::MeasureKind kind, const std::vector<ui::Me
 }
 
 void MeasurementController::placeTarget(const std::string &name, const Vec3 &at_mm, bool isInSlice) {
-  const ui::Comparison *second = parts_.images.views().comparison();
-  const bool isMoved = isInSlice && second && second->isShown() && second->revision() != 0;
+  const ui::ImageViews &views = parts_.images.views();
+  const bool isMoved = isInSlice && views.isCompared() && views.comparison()->revision() != 0;
   ui::MeasurementSet set = list_.set();
   if (!set.point(name)) return;
-  const Vec3 target_mm = isMoved ? transformPoint(geometry::rigidInverse(second->worldFromSecond()), at_mm) : at_mm;
-  set.setTarget(name, target_mm);
+  set.setTarget(name,
+                isMoved ? transformPoint(geometry::rigidInverse(views.comparison()->worldFromSecond()), at_mm) : at_mm);
   list_.edit("set target of " + name, std::move(set));
   list_.selected = name;
   if (isMoved)

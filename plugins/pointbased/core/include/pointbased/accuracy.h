@@ -62,8 +62,8 @@ struct AccuracySurvey {
   double largest = 0.0;                       ///< m, displacement under the loads
   double difference = 0.0;                    ///< skinDifference() of the two, as a fraction of `largest`
   /// skinDifference() of the coarse trial and of the same cells with quadratic functions, as a fraction of `largest`:
-  /// the error due to cells oblique to the body. 0 if the trials are already quadratic, no cell is quadratic because the
-  /// lattice fits the body, there is jitter, or no solution
+  /// the error due to cells oblique to the body. 0 if the trials are already quadratic, if no cell is quadratic because
+  /// the lattice fits the body, with jitter, or without a solution
   double orderDifference = 0.0;
   Vec3 worst = Vec3::Zero();  ///< world, m, at rest: skin sample with the largest difference
   /// Supports, loads or both are missing: the lowest tenth of the body was held, and its weight was the load
@@ -165,11 +165,12 @@ struct SamplingChoice {
 /// kernel evaluates it.
 [[nodiscard]] bool suitsSecondOrder(const Constitution &constitution);
 /// Whether second order is worthwhile when the spacing or the count is specified: suitsSecondOrder(), the cells are
-/// uniform, the body is elongated or flat, and its surface is oblique to the lattice. It is elongated or flat if the
-/// longest edge of the box with the same second moments is at least four times the shortest; of a body of several parts
-/// the largest counts. It is oblique if its misalignment (latticeDirection() in src/discretisation/lattice) exceeds 0.05,
-/// for example with all faces at 10 degrees, or a quarter of them round. The spacing has no influence, so that a series
-/// of samplings has the same order throughout.
+/// uniform, the body is elongated or flat, and its surface is oblique to the lattice.
+/// - Elongated or flat: the longest edge of the box with the same second moments is at least four times the shortest.
+///   Of several connected parts the largest counts.
+/// - Oblique: the misalignment (latticeDirection() in src/discretisation/lattice) exceeds 0.05, for example with all
+///   faces at 10 degrees, or a quarter of them round.
+/// The spacing has no influence, so that a series of samplings has the same order throughout.
 [[nodiscard]] bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe,
                                        const Constitution &constitution);
 

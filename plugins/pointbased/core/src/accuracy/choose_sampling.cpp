@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
-#include <numeric>
 
 #include "base/number_text.h"
 #include "discretisation/lattice/lattice_direction.h"
 #include "forces/vector_forces_parts.h"
 #include "pointbased/accuracy.h"
 #include "pointbased/sampling.h"
+#include "shape/volume_moments.h"
 #include "stepping/monitoring/step_cost.h"
 
 namespace pointbased {
@@ -212,65 +209,9 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   return out;
 }
 
-namespace {
-
-/// Volume and its first and second moments about one point.
-struct VolumeMoments {
-  double volume = 0.0;
-  Vec3 first = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-
-  /// Adds the tetrahedron from the point to a triangle, whose corners are columns.
-  void add(const Mat3 &corners) {
-    const double part = corners.determinant() / 6.0;
-    const Vec3 sum = corners.rowwise().sum();
-    volume += part;
-    first += part / 4.0 * sum;
-    second += part / 20.0 * (corners * corners.transpose() + sum * sum.transpose());
-  }
-  /// m, edges of the box with these moments, in ascending order.
-  [[nodiscard]] Vec3 boxEdges() const {
-    const Mat3 central = second / volume - first * first.transpose() / (volume * volume);
-    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(central, Eigen::EigenvaluesOnly);
-    return (12.0 * eigen.eigenvalues()).cwiseMax(0.0).cwiseSqrt();
-  }
-};
-
-/// Of the connected part of a closed surface with the largest volume. Vertices at one point are connected.
-VolumeMoments momentsOfLargest(const Surface &surface) {
-  std::vector<std::size_t> parent(surface.positions.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto rootOf = [&](std::size_t vertex) {
-    while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
-    return vertex;
-  };
-  std::map<std::array<double, 3>, std::size_t> first;
-  for (std::size_t i = 0; i < parent.size(); ++i) {
-    const Vec3 &x = surface.positions[i];
-    parent[i] = first.try_emplace({x[0], x[1], x[2]}, i).first->second;
-  }
-  for (const auto &t : surface.triangles) {
-    parent[rootOf(t[1])] = rootOf(t[0]);
-    parent[rootOf(t[2])] = rootOf(t[0]);
-  }
-  std::map<std::size_t, VolumeMoments> parts;
-  const Vec3 origin = surface.positions.front();
-  for (const auto &t : surface.triangles) {
-    Mat3 corners;
-    for (int i = 0; i < 3; ++i) corners.col(i) = surface.positions[t[static_cast<std::size_t>(i)]] - origin;
-    parts[rootOf(t[0])].add(corners);
-  }
-  return std::max_element(parts.begin(), parts.end(),
-                          [](const auto &a, const auto &b) { return a.second.volume < b.second.volume; })
-      ->second;
-}
-
-}  // namespace
-
 bool suitsSecondOrder(const Constitution &constitution) {
-  if (constitution.materials.size() != 1) return false;
-  const Material &material = constitution.materials.front();
-  return !constitution.hasHistory() && !material.relaxes() && detail::kernelKnows(material);
+  return constitution.materials.size() == 1 && !constitution.hasHistory() &&
+         detail::kernelKnows(constitution.materials.front());
 }
 
 bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe, const Constitution &constitution) {
@@ -279,14 +220,12 @@ bool suggestsSecondOrder(const BodyShape &shape, const BodyRecipe &recipe, const
   if (!suitsSecondOrder(constitution) || sampling.jitter > 0.0 || sampling.surfaceSpacing > 0.0 ||
       !sampling.refinements.empty() || shape.surface.triangles.empty())
     return false;
-  const VolumeMoments moments = momentsOfLargest(shape.surface);
-  if (!(moments.volume > 0.0)) return false;
-  const Vec3 edges = moments.boxEdges();
-  if (!(edges[2] >= kElongated * edges[0])) return false;
   std::vector<Region> held;
   for (const Fix &fix : recipe.fixes) held.push_back(fix.region);
   const Mat3 axes = sampling.axes ? *sampling.axes : lattice::latticeDirection(shape, held);
-  return lattice::misalignment(shape.surface, axes) > kOblique;
+  if (!(lattice::misalignment(shape.surface, axes) > kOblique)) return false;
+  const Vec3 edges = detail::momentsOfLargestPart(shape.surface).boxEdges();
+  return edges[2] >= kElongated * edges[0];
 }
 
 bool mayNeedSecondOrder(const AccuracySurvey &survey, const SamplingChoice &first, const Constitution &constitution,

@@ -13,8 +13,8 @@ constexpr double kSimulated = 0.5, kLongest = 0.3;  // s, simulated time and com
 constexpr double kLongestOfAll = 2.0;               // s, computing time of all runs
 constexpr std::size_t kFewest = 5;                  // frames; fewer once kLongestOfAll is reached
 constexpr int kMaxRuns = 12;
-constexpr double kSettled = 0.02;  // relative change of the result by a run
-constexpr double kPart = 0.95;     // quantile of the frames
+constexpr double kConverged = 0.02;  // relative change of the result by a run
+constexpr double kPart = 0.95;       // quantile of the frames
 
 // Runs are repeated with identical results: for every step and every drawing the shortest time is used.
 struct Timed {
@@ -58,8 +58,8 @@ double measureFrame(const Body &body, const WorldSettings &world, std::span<cons
   if (!alone.step(stop)) return 0.0;  // caches that later steps reuse are filled here
 
   Timed timed;
-  double spent = 0.0, frame = 0.0;
-  int settled = 0;
+  double computedOfAll = 0.0, frame = 0.0;
+  int convergedRuns = 0;
   for (int run = 0; run < kMaxRuns; ++run) {
     alone.reset();
     double computed = 0.0, frameBegan = 0.0;
@@ -88,11 +88,11 @@ double measureFrame(const Body &body, const WorldSettings &world, std::span<cons
       computed += drawn;
       step.drawn = run == 0 ? drawn : std::min(step.drawn, drawn);
     }
-    spent += computed;
+    computedOfAll += computed;
     const double now = timed.frame();
-    settled = run > 0 && frame - now <= kSettled * now ? settled + 1 : 0;
+    convergedRuns = run > 0 && frame - now <= kConverged * now ? convergedRuns + 1 : 0;
     frame = now;
-    if (spent > kLongestOfAll || settled >= 2) break;
+    if (computedOfAll > kLongestOfAll || convergedRuns >= 2) break;
   }
   return 1e3 * frame;
 }

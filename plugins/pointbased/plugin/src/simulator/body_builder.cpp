@@ -379,7 +379,7 @@ BuiltBody build(const Services &services, const MaterialLaws &laws, const std::s
     return out;
   }
   if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
-  // Whatever is rigid may be freed later.
+  // Rigid bodies have it as well, because they may become deformable during the simulation.
   if (values.text("sampling.order") == "auto" && recipe.evaluation == Evaluation::stressPoints &&
       suggestsSecondOrder(*shape, recipe, constitution))
     recipe.sampling.order = LatticeOrder::quadratic;
