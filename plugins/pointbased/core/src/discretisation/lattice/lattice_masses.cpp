@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "discretisation/lattice/lattice_masses.h"
 
+#include <numeric>
+
 #include "base/cancellation_poll.h"
 #include "discretisation/lattice/lattice_jitter.h"
+#include "discretisation/lattice/moment_errors.h"
 
 namespace pointbased::lattice {
 namespace {
@@ -18,6 +21,11 @@ constexpr double kEvenInSlivers = 0.5, kWellFilled = 5.0 / 6.0;
 // (2.73 at the corner of a box). Phyxels of cut cells with up to 6 limited the explicit step of their body. Next to
 // held material, additional mass costs nothing: it hardly moves.
 constexpr double kMaxStiffness = 2.8, kMaxBesideHeld = 2.0;
+
+// Distance of the nodes of the patches in which the remaining errors of moments are corrected, in edges of the coarsest
+// cells. In narrower patches too few phyxels can lose mass. Wider patches correct the inertia of a bar as a whole, but
+// not of its sections.
+constexpr double kPatchSpacing = 6.0;
 
 double evenPart(double share) { return kEvenInSlivers * std::max(0.0, 1.0 - share / kWellFilled); }
 
@@ -121,20 +129,22 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
 
 // Subtracts the rows, each as far as its ends permit.
 void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                          std::vector<double> &volumes, const ParallelFor &parallelFor) {
-  std::vector<double> changed, allowed(volumes.size(), 1.0);
+                          std::vector<double> &volumes, MomentErrors &errors, const ParallelFor &parallelFor) {
+  std::vector<double> changed, allowed(volumes.size(), 1.0), factors(rows.size());
   detail::CancellationPoll look(parallelFor);
   for (bool settled = false; !settled;) {
     detail::checkCancelled(parallelFor);
     changed = volumes;
-    for (const Row3 &row : rows) {
+    for (std::size_t r = 0; r < rows.size(); ++r) {
       look();
+      const Row3 &row = rows[r];
       double factor = 1.0;
       for (const Index end : {row.nodes[0], row.nodes[2]})
         forPhyxels(corners, end, [&](Index i, double) { factor = std::min(factor, allowed[i]); });
       for (std::size_t k = 0; k < 3; ++k)
         forPhyxels(corners, row.nodes[k],
                    [&](Index i, double weight) { changed[i] += (k == 1 ? 2.0 : -1.0) * weight * factor * row.amount; });
+      factors[r] = factor;
     }
     settled = true;
     for (std::size_t i = 0; i < changed.size(); ++i)
@@ -144,12 +154,19 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
       }
   }
   volumes = std::move(changed);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (factors[r] < 1.0)
+      for (std::size_t k = 0; k < 3; ++k)
+        forPhyxels(corners, rows[r].nodes[k], [&](Index i, double weight) {
+          errors.add(corners.phyxels[corners.offsets[rows[r].nodes[1]]], i,
+                     (k == 1 ? -2.0 : 1.0) * weight * (1.0 - factors[r]) * rows[r].amount);
+        });
 }
 
 // Gives phyxels that are still too light the missing mass from the middles of rows at whose ends they are. These are
 // second differences of opposite sign, so volume and centre are preserved.
 void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                              std::vector<double> &volumes, const ParallelFor &parallelFor) {
+                              std::vector<double> &volumes, MomentErrors &errors, const ParallelFor &parallelFor) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
@@ -176,9 +193,41 @@ void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> ro
       volumes[i] += given;
       volumes[(*best)[0]] -= 2.0 * given;
       volumes[(*best)[1]] += given;
+      errors.add((*best)[0], static_cast<Index>(i), given);
+      errors.add((*best)[0], (*best)[1], given);
       candidates.erase(best);
     }
   }
+}
+
+// Connected component of every phyxel: its first phyxel.
+std::vector<Index> componentsOf(const LatticeCellMap &map) {
+  const NodeTable &corners = map.corners();
+  std::vector<Index> parent(corners.positions.size());
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto rootOf = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const CutCellFragment &part : map.parts()) {
+    if (!part.kept) continue;
+    const Index one = corners.phyxels[corners.offsets[part.nodes[0]]];
+    for (const Index node : part.nodes)
+      forPhyxels(corners, node, [&](Index i, double) {
+        const Index a = rootOf(one), b = rootOf(i);
+        parent[std::max(a, b)] = std::min(a, b);
+      });
+  }
+  for (Index i = 0; i < parent.size(); ++i) parent[i] = rootOf(i);
+  return parent;
+}
+
+// Records a volume at a phyxel as error of a part. The error is divided among all corners of the part, so that it is
+// symmetric where the body is.
+void addEvenly(MomentErrors &errors, const NodeTable &corners, const CutCellFragment &part, Index phyxel,
+               double volume) {
+  for (const Index node : part.nodes)
+    forPhyxels(corners, node, [&](Index about, double weight) { errors.add(about, phyxel, 0.125 * weight * volume); });
 }
 
 }  // namespace
@@ -192,6 +241,7 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   const Sharing sharing{map, contents};
   Least least(map, kMaxStiffness), leastFree(map, kMaxBesideHeld);
   std::vector<double> evenFree;  // m³, by phyxel
+  MomentErrors errors(corners.positions, componentsOf(map));
   detail::CancellationPoll look(parallelFor);
   for (std::size_t p = 0; p < contents.size(); ++p) {
     look();
@@ -223,6 +273,7 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
     const double even = evenPart(contents[p].all.share), evenOfFree = evenPart(loose.share);
     for (std::size_t j = 0; j < 8; ++j)
       forPhyxels(corners, part.nodes[j], [&](Index i, double weight) {
+        if (even > 0.0) addEvenly(errors, corners, part, i, weight * volume * even * (0.125 - functions[j]));
         out.weights[i] += weight * volume * functions[j];
         out.inertial[i] += weight * volume * ((1.0 - even) * functions[j] + even / 8.0);
         if (!holds) return;
@@ -231,9 +282,17 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
       });
   }
   const std::vector<Row3> rows = secondDifferences(sharing, parallelFor);
-  correctSecondMoments(corners, rows, least, out.inertial, parallelFor);
+  const std::vector<double> uncorrected = out.inertial;
+  correctSecondMoments(corners, rows, least, out.inertial, errors, parallelFor);
   detail::checkCancelled(parallelFor);
-  redistributeToLightNodes(corners, rows, least, out.inertial, parallelFor);
+  redistributeToLightNodes(corners, rows, least, out.inertial, errors, parallelFor);
+  std::vector<double> available(out.inertial.size());
+  for (std::size_t i = 0; i < available.size(); ++i) {
+    double minimum = std::max(kMinMass * uncorrected[i], least[i]);
+    if (!out.held.empty() && out.held[i] > 0.0) minimum = std::max({minimum, leastFree[i], evenFree[i]});
+    available[i] = std::max(0.0, out.inertial[i] - minimum);
+  }
+  errors.correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());
   for (std::size_t i = 0; i < out.held.size(); ++i) {
