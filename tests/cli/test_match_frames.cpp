@@ -105,6 +105,57 @@ TEST_CASE("Files of a folder are frames in the order of the numbers in their nam
   CHECK(rows[1]["time_s"].is_null());
 }
 
+TEST_CASE("Landmarks measured in some frames evaluate the result, or are fitted") {
+  // Two landmarks in the first frame, one in the second, none in the third.
+  const fs::path folder = freshFolder("match_frames_landmarks");
+  const std::string landmarks = resource("match/organ_landmarks.csv").string();
+  const std::array<const char *, 3> measured{"rim,0.31,50.13,208.93\ntop,-71.16,-13.35,166.03\n",
+                                             "rim,2.31,50.13,208.93\n", ""};
+  std::ostringstream text;
+  text << "landmark,x,y,z,frame\n";
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    std::istringstream rows(measured[k]);
+    for (std::string row; std::getline(rows, row);) text << row << ',' << k << '\n';
+    for (const auto &p : pointsAt(2.0 * static_cast<double>(k)))
+      text << ',' << p[0] << ',' << p[1] << ',' << p[2] << ',' << k << '\n';
+  }
+  const fs::path frames = writeFile(folder / "frames.csv", text.str());
+  const auto matched = [&](const std::vector<std::string> &more) {
+    std::vector<std::string> arguments{"match",         organScene(),
+                                       "--frames",      frames.string(),
+                                       "--landmarks",   landmarks,
+                                       "--report",      (folder / "report.json").string(),
+                                       "--frame-table", (folder / "table.csv").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = runC3de(arguments);
+    INFO(result.errorOutput << result.output);
+    REQUIRE(result.exitCode == 0);
+    CHECK_THAT(result.output, Contains("  landmarks (2): ") && Contains("  landmarks (1): "));
+    const json report = readJson(folder / "report.json");
+    for (const std::string &departure : departuresFrom(readJson(resource("schemas/report.schema.json")), report))
+      FAIL_CHECK(departure);
+    return report["match"]["frames"];
+  };
+  const json judged = matched({});
+  REQUIRE(judged.size() == 3);
+  REQUIRE(judged[0]["landmarks"].size() == 2);
+  CHECK(judged[0]["landmarks"][0]["name"] == "rim");
+  CHECK(judged[0]["landmarks"][0]["use"] == "judge");
+  CHECK(judged[1]["landmarks"].size() == 1);
+  CHECK_FALSE(judged[2].contains("landmarks"));
+  CHECK(judged[0]["landmark_error_mm"]["before"]["mean"].get<double>() > 100.0);
+  for (const std::size_t k : {0u, 1u}) CHECK(judged[k]["landmark_error_mm"]["after"]["mean"].get<double>() < 8.0);
+  CHECK(judged[0]["points"] == pointsAt(0.0).size());
+  CHECK_THAT(readFile(folder / "table.csv"), Contains(",landmarks,landmark_mean_rigid_mm,landmark_mean_after_mm,"));
+  const json fitted = matched({"--use", "fit", "--weight", "100"});
+  CHECK(fitted[0]["landmarks"][0]["use"] == "fit");
+  CHECK(fitted[0]["landmark_error_mm"]["after"]["mean"].get<double>() <
+        0.5 * judged[0]["landmark_error_mm"]["after"]["mean"].get<double>());
+  CHECK_THAT(refusal(frames, 3), Contains("frames.csv:2: there is no landmark 'rim'"));
+  CHECK_THAT(refusal(frames, 2, {"--landmarks", landmarks, "--use", "judge", "--weight", "5"}),
+             Contains("--weight is for landmarks that are fitted"));
+}
+
 TEST_CASE("Sequences that cannot be matched are refused with line and value") {
   const fs::path folder = freshFolder("match_frames_refused");
   const auto file = [&](const std::string &text) { return writeFile(folder / "frames.csv", text); };
@@ -117,7 +168,10 @@ TEST_CASE("Sequences that cannot be matched are refused with line and value") {
   CHECK_THAT(refusal(file("frame,x,y,z\n1,2,3,4\n"), 3), Contains("frame 1 (1 of 1)"));
   CHECK_THAT(refusal(folder / "none", 3), Contains("none"));
   CHECK_THAT(refusal(freshFolder("match_frames_empty"), 3), Contains("has no file of points"));
-  CHECK_THAT(refusal(file("frame,x,y,z\n"), 2, {"--use", "fit"}), Contains("--frames"));
+  CHECK_THAT(refusal(file("frame,x,y,z\n1,2,3,4\n"), 2, {"--use", "fit"}), Contains("no landmark was measured"));
+  CHECK_THAT(refusal(file("frame,x,y,z\n1,2,3,4\n"), 2, {"--surface", "a.obj"}), Contains("--frames"));
+  CHECK_THAT(refusal(file("frame,x,y,z,landmark\n1,2,3,4,a\n1,2,3,4,a\n"), 3),
+             Contains("frames.csv:3: landmark 'a' has another position in"));
   const auto alone = runC3de({"match", organScene(), "--frame-table", "-"});
   CHECK(alone.exitCode == 2);
 }

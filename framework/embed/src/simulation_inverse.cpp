@@ -45,6 +45,7 @@ Result<session::MatchTargets> targetsOf(const c3de_embed_match_options &in) {
     out.file = pathFromText(in.points_file);
     auto read = session::readMeasuredPoints(out.file, std::nullopt);
     if (!read) return refuse(read.error());
+    if (const auto good = session::checkNoLandmarks(*read); !good) return refuse(good.error());
     out.surface.points_mm = std::move(read->points_mm);
     out.surface.normals = std::move(read->normals);
     return out;

@@ -46,6 +46,19 @@ TEST_CASE("Tables of points are read with and without names, with normals, in an
   CHECK(read("1,2,3\n").normals.empty());
 }
 
+TEST_CASE("Rows with a name in the column landmark are not points of the surface") {
+  const MeasuredPoints out = read("x,y,z,nx,ny,nz,landmark\n1,2,3,0,0,1,\n4,5,6,,,,rim\n", geometry::LengthUnit::metre);
+  CHECK(out.points_mm == std::vector<Vec3>{{1000, 2000, 3000}});
+  CHECK(out.normals.size() == 1);
+  REQUIRE(out.landmarks.size() == 1);
+  CHECK(out.landmarks[0].name == "rim");
+  CHECK(out.landmarks[0].lps_mm == Vec3{4000, 5000, 6000});
+  CHECK_THAT(session::checkNoLandmarks(out).error().message,
+             Contains("a.csv:3: the row is the position of landmark 'rim'"));
+  CHECK(session::checkNoLandmarks(read("x,y,z,landmark\n1,2,3,\n")));
+  CHECK_THAT(refusal("x,y,z,landmark\n1,2,3,a\n1,2,3,a\n"), Contains("a.csv:3: landmark 'a' has another position in"));
+}
+
 TEST_CASE("Wrong tables of points are refused with line and value") {
   CHECK_THAT(refusal("1,2,3\n1,inf,3\n"), Contains("a.csv:2: y is 'inf'; accepted: a number from -1e6 to 1e6"));
   CHECK_THAT(refusal("x,y,z\n1,2\n"), Contains("a.csv:2: the row has 2 cells; accepted: 3"));

@@ -84,16 +84,16 @@ void declareFrames(CLI::App &app, MatchOptions &options) {
   CLI::Option *frames = addFile(
       app, "--frames", options.frames, "PATH",
       "A sequence of points: a folder of tables in the order of their names, or a CSV with the columns frame or "
-      "time_s, and x, y, z. Each frame starts from the one before");
+      "time_s, and x, y, z. A row with a name in the column landmark states the measured position of that landmark. "
+      "Each frame starts from the one before");
   addFile(app, "--frame-table", options.frameTable, "FILE.csv",
           "With --frames: write residual, motion and time of each frame; - prints them")
       ->needs(frames);
   addFile(app, "--timeline", options.run.exportList, "FILE.pvd",
           "With --frames: write the body at each frame for ParaView, without the rigid motion")
       ->needs(frames);
-  for (const char *other :
-       {"--surface", "--points", "--labels", "--label", "--landmarks", "--target-landmarks", "--use", "--weight",
-        "--residuals", "--export-surface", "--export-image", "--export-labels", "--export-displacement"})
+  for (const char *other : {"--surface", "--points", "--labels", "--label", "--target-landmarks", "--residuals",
+                            "--export-surface", "--export-image", "--export-labels", "--export-displacement"})
     frames->excludes(app.get_option(other));
 }
 

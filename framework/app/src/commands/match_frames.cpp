@@ -62,7 +62,8 @@ Expected<SceneMatch> wantedOf(const MatchOptions &options, const scene::SceneFil
   out.surface.clear();
   out.labels = {};
   out.landmarks.clear();
-  out.fitsLandmarks = false;
+  if (!options.use.empty()) out.fitsLandmarks = options.use == "fit";
+  if (options.weight) out.landmarkWeight = *options.weight;
   out.unit.reset();
   if (!options.unit.empty()) {
     const auto unit = scene::parseLengthUnit(options.unit);
@@ -77,16 +78,18 @@ Json rowOf(const DoneFrame &frame) {
   const FrameMatch &match = frame.match;
   Json row{{"frame", frame.name}, {"time_s", frame.time_s ? Json(*frame.time_s) : Json()}, {"wall_s", match.wall_s}};
   const Json details = Json::parse(matchJson(match.rigid, match.elastic), nullptr, false);
-  for (const char *key :
-       {"verdict", "points", "converged", "surface_rms_mm", "iterations", "forces", "elastic", "motion", "warnings"})
-    if (const auto found = details.find(key); found != details.end()) row[key] = *found;
+  for (const char *key : {"verdict", "points", "converged", "surface_rms_mm", "landmark_error_mm", "landmarks",
+                          "iterations", "forces", "elastic", "motion", "warnings"})
+    if (const auto found = details.find(key);
+        found != details.end() && (key != std::string_view("landmarks") || !found->empty()))
+      row[key] = *found;
   return row;
 }
 
 std::string tableOf(const Sequence &sequence) {
   std::string text =
       "frame,time_s,wall_s,points,verdict,converged,iterations,rms_rigid_mm,rms_after_mm,used_part,expected_error_mm,"
-      "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n";
+      "landmarks,landmark_mean_rigid_mm,landmark_mean_after_mm,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n";
   for (const DoneFrame &frame : sequence.frames) {
     const FrameMatch &match = frame.match;
     const auto &body = match.elastic.body;
@@ -94,23 +97,50 @@ std::string tableOf(const Sequence &sequence) {
     const auto number = [&](bool isKnown, double value) {
       return isKnown ? fmt::format("{:.6g}", value) : std::string();
     };
-    text += fmt::format("{},{},{:.4g},{},{},{},{},{:.6g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
-                        csvCell(frame.name), number(frame.time_s.has_value(), frame.time_s.value_or(0.0)), match.wall_s,
-                        match.rigid.points, verdictOf(match.rigid), body && body->hasConverged ? 1 : 0,
-                        body ? body->iterations : 0, match.rigid.rigid.after.rms_mm,
-                        number(body.has_value(), body ? body->after_mm : 0.0),
-                        number(body.has_value(), body ? body->usedPart : 0.0),
-                        number(body && body->error, body && body->error ? body->error->rms_mm : 0.0),
-                        pose.translation_mm[0], pose.translation_mm[1], pose.translation_mm[2], pose.rotation_deg[0],
-                        pose.rotation_deg[1], pose.rotation_deg[2]);
+    const auto mean = [&](const std::optional<ErrorSummary> &errors) {
+      return number(errors.has_value(), errors ? errors->mean_mm : 0.0);
+    };
+    text += fmt::format(
+        "{},{},{:.4g},{},{},{},{},{:.6g},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
+        csvCell(frame.name), number(frame.time_s.has_value(), frame.time_s.value_or(0.0)), match.wall_s,
+        match.rigid.points, verdictOf(match.rigid), body && body->hasConverged ? 1 : 0, body ? body->iterations : 0,
+        match.rigid.rigid.after.rms_mm, number(body.has_value(), body ? body->after_mm : 0.0),
+        number(body.has_value(), body ? body->usedPart : 0.0),
+        number(body && body->error, body && body->error ? body->error->rms_mm : 0.0), match.rigid.landmarks.size(),
+        mean(match.rigid.after), mean(match.elastic.after), pose.translation_mm[0], pose.translation_mm[1],
+        pose.translation_mm[2], pose.rotation_deg[0], pose.rotation_deg[1], pose.rotation_deg[2]);
   }
   return text;
+}
+
+/// Landmarks with the positions measured in each frame. Errors: a file or an unknown name (input), options without
+/// effect (usage).
+Expected<std::vector<std::vector<Landmark>>> landmarksOfFrames(const MatchOptions &options,
+                                                               const scene::SceneFile &scene, const SceneMatch &wanted,
+                                                               const std::vector<MeasuredFrame> &frames) {
+  auto all = landmarksOf(scene, options.run.landmarks, {});
+  if (!all) return tl::unexpected(all.error());
+  std::vector<std::vector<Landmark>> out;
+  bool areMeasured = false;
+  for (const MeasuredFrame &frame : frames) {
+    if (const auto good = setTargets(frame.measured.landmarks, *all); !good) return tl::unexpected(good.error());
+    out.push_back(withTargets(*all));
+    areMeasured = areMeasured || !frame.measured.landmarks.empty();
+  }
+  if (!areMeasured && (!options.use.empty() || options.weight || !options.run.landmarks.empty()))
+    return fail(ErrorCode::usage, pathText(options.frames) +
+                                      ": no landmark was measured, so --landmarks, --use and --weight have no effect; "
+                                      "accepted: rows with a name in the column 'landmark'");
+  if (options.weight && !wanted.fitsLandmarks)
+    return fail(ErrorCode::usage, "--weight is for landmarks that are fitted; accepted: with --use fit");
+  return out;
 }
 
 /// Matches the frames in their order. A frame that cannot be matched ends the sequence. Errors: cancelled.
 Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                             const std::string &name, const geometry::TriangleMesh &skin, const SceneMatch &wanted,
-                            std::vector<MeasuredFrame> frames, SimulationExport *timeline, const ProgressFn &progress) {
+                            std::vector<MeasuredFrame> frames, std::vector<std::vector<Landmark>> landmarks,
+                            SimulationExport *timeline, const ProgressFn &progress) {
   Sequence out;
   out.planned = frames.size();
   FrameRequest request;
@@ -120,6 +150,7 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
     MeasuredFrame &frame = frames[k];
     request.targets.surface.points_mm = std::move(frame.measured.points_mm);
     request.targets.surface.normals = std::move(frame.measured.normals);
+    request.landmarks = std::move(landmarks[k]);
     const ProgressFn part = [&](double fraction, const std::string &what) {
       const double done = static_cast<double>(k) + std::max(fraction, 0.0);
       return progress(done / static_cast<double>(frames.size()), "frame " + frame.name + ": " + what);
@@ -186,12 +217,15 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   const SharedScene scene = std::get<SharedScene>(beginning->source.front());
   const auto wanted = wantedOf(options, *scene);
   if (!wanted) return tl::unexpected(wanted.error());
-  const std::vector<std::filesystem::path> inputs{options.run.scene, options.frames};
+  std::vector<std::filesystem::path> inputs{options.run.scene, options.frames};
+  inputs.insert(inputs.end(), options.run.landmarks.begin(), options.run.landmarks.end());
   if (const auto good = checkOutputs(outputsOf(options), inputs); !good) return tl::unexpected(good.error());
   if (!options.run.exportList.empty())
     if (const auto good = checkSimulationExport(options.run.exportList); !good) return tl::unexpected(good.error());
   auto frames = readMeasuredFrames(options.frames, wanted->unit);
   if (!frames) return tl::unexpected(frames.error());
+  auto landmarks = landmarksOfFrames(options, *scene, *wanted, *frames);
+  if (!landmarks) return tl::unexpected(landmarks.error());
   BodySources sources;
   const auto built = buildAtRest(session, *scene, sources, progress);
   if (!built) return tl::unexpected(built.error());
@@ -210,7 +244,7 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   std::optional<SimulationExport> timeline;
   if (!options.run.exportList.empty()) timeline.emplace(options.run.exportList);
   auto sequence = matchAll(session, simulator, *scene, name, skins->rest, *wanted, std::move(*frames),
-                           timeline ? &*timeline : nullptr, progress);
+                           std::move(*landmarks), timeline ? &*timeline : nullptr, progress);
   line.finish();
   if (timeline) outputs.note(options.run.exportList, timeline->finish());
   if (!sequence) return tl::unexpected(sequence.error());
@@ -244,6 +278,9 @@ int matchFrames(const MatchOptions &options) {
       printOut(fmt::format("frame {}: rms {:.3g} mm{}\n", frame.name,
                            body ? body->after_mm : frame.match.rigid.rigid.after.rms_mm,
                            body ? fmt::format(" after {} iterations", body->iterations) : " after the rigid motion"));
+      const auto &errors = body ? frame.match.elastic.after : frame.match.rigid.after;
+      if (errors)
+        printOut(fmt::format("  landmarks ({}): {}\n", frame.match.rigid.landmarks.size(), errorText(*errors)));
       for (const std::string &warning : frame.match.rigid.rigid.warnings) printOut("  warning: " + warning + "\n");
       for (const std::string &warning : warningsOf(frame.match.elastic)) printOut("  warning: " + warning + "\n");
     }

@@ -263,6 +263,13 @@ Expected<std::vector<Landmark>> landmarksOf(const scene::SceneFile &scene,
   return all;
 }
 
+Expected<void> setTargets(std::span<const FileLandmark> targets, std::vector<Landmark> &landmarks) {
+  for (Landmark &one : landmarks) one.target_mm.reset();
+  for (const FileLandmark &one : targets)
+    if (auto good = addTarget(landmarks, one); !good) return good;
+  return {};
+}
+
 Expected<void> findBodies(c3de_object *simulator, const scene::SceneFile &scene, std::vector<Landmark> &landmarks,
                           const std::function<std::string()> &takeError) {
   if (landmarks.empty()) return {};

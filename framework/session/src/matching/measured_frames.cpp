@@ -11,6 +11,7 @@
 #include "c3de/core/text.h"
 #include "c3de/session/landmark_file.h"
 #include "files/table_rows.h"
+#include "matching/measured_landmark.h"
 
 namespace c3de::session {
 namespace {
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr double kLargestNumber = 1e6;
 constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
-constexpr const char *kAccepted = "accepted: the columns frame or time_s, and x, y, z";
+constexpr const char *kAccepted = "accepted: the columns frame or time_s, and x, y, z; optional: landmark";
 
 /// Whether a name comes before another one, with numbers in them by value.
 bool isBefore(const std::string &a, const std::string &b) {
@@ -46,7 +47,7 @@ bool isBefore(const std::string &a, const std::string &b) {
 }
 
 struct FrameColumns {
-  std::size_t frame = kNoColumn, time = kNoColumn, cells = 0;
+  std::size_t frame = kNoColumn, time = kNoColumn, landmark = kNoColumn, cells = 0;
   std::array<std::size_t, 3> at{kNoColumn, kNoColumn, kNoColumn};
 };
 
@@ -57,6 +58,7 @@ Expected<FrameColumns> columnsOf(const fs::path &file, int line, const std::vect
   for (std::size_t i = 0; i < first.size(); ++i) {
     if (first[i] == "frame") out.frame = i;
     if (first[i] == "time_s") out.time = i;
+    if (first[i] == "landmark") out.landmark = i;
     for (std::size_t a = 0; a < 3; ++a)
       if (first[i] == names[a] || first[i] == std::string(names[a]) + "_mm") out.at[a] = i;
   }
@@ -102,6 +104,8 @@ Expected<void> addRow(const fs::path &file, int line, const std::vector<std::str
       return refusedRow(file, line, fmt::format("{} is '{}'; accepted: a number from -1e6 to 1e6", "xyz"[a], cell));
     point[a] = factor * *number;
   }
+  if (columns.landmark != kNoColumn && !cells[columns.landmark].empty())
+    return addMeasuredLandmark(file, line, cells[columns.landmark], point, out.back().measured);
   if (out.back().measured.points_mm.size() == kMaxMeasuredPoints)
     return refusedRow(file, line, fmt::format("more than {} points in a frame", kMaxMeasuredPoints));
   out.back().measured.points_mm.push_back(point);

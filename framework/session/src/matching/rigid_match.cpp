@@ -157,6 +157,7 @@ Expected<MatchTargets> readMatchTargets(const scene::SceneMatch &match, const ge
     out.file = match.points;
     auto read = readMeasuredPoints(match.points, match.unit);
     if (!read) return tl::unexpected(read.error());
+    if (const auto good = checkNoLandmarks(*read); !good) return tl::unexpected(good.error());
     out.surface.points_mm = std::move(read->points_mm);
     out.surface.normals = std::move(read->normals);
     return out;

@@ -2,6 +2,7 @@
 #include "c3de/session/frame_match.h"
 
 #include <chrono>
+#include <utility>
 
 #include "c3de/session/change_log.h"
 #include "c3de/session/match_stages.h"
@@ -36,11 +37,14 @@ Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const 
                                 const std::string &name, const geometry::TriangleMesh &skin,
                                 const FrameRequest &request, const ProgressFn &progress) {
   const auto begin = std::chrono::steady_clock::now();
-  const scene::SceneMatch &wanted = request.wanted;
+  scene::SceneMatch wanted = request.wanted;
+  // Those of other bodies are left out below.
+  const bool areFitted = std::exchange(wanted.fitsLandmarks, false);
   const auto takeError = [&session] { return session.plugins().takeError(); };
   const auto landmarks = unrecorded(
       session.changes(), [&] { return landmarksOfBody(simulator, scene, request.landmarks, wanted, name, takeError); });
   if (!landmarks) return tl::unexpected(landmarks.error());
+  wanted.fitsLandmarks = areFitted && !landmarks->empty();
   ThreadPool *const pool = &session.pool();
   const bool continues = request.measuredFromBodyBefore.has_value();
   auto rigid = continues ? matchAt(*request.measuredFromBodyBefore, skin, request.targets, *landmarks, wanted, pool)

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ struct Landmark {
 [[nodiscard]] Expected<std::vector<Landmark>> landmarksOf(const scene::SceneFile &scene,
                                                           const std::vector<std::filesystem::path> &files,
                                                           const std::vector<std::filesystem::path> &targets);
+
+/// Sets the targets of landmarks by name and removes those of all others. Errors (ErrorCode::input): a name
+/// that no landmark has; the targets are then incomplete.
+[[nodiscard]] Expected<void> setTargets(std::span<const FileLandmark> targets, std::vector<Landmark> &landmarks);
 
 /// Determines the body of each landmark from the reference skins: the one that it names (of pieces, the nearest), or
 /// else the one in which it lies, or the nearest within its spacing. A landmark without a body does not move. The error
