@@ -62,6 +62,20 @@ inline session::SessionFile fullSession() {
                                                   12.5,
                                                   80.0,
                                                   40.0};
+  file.view.match = session::SavedMatch{.body = "liver",
+                                        .points = "/scans/points.csv",
+                                        .surface = "/scans/surface.ply",
+                                        .labels = "/scans/labels.nrrd",
+                                        .landmarks = "/scans/landmarks.csv",
+                                        .time = 2,
+                                        .source = "labels",
+                                        .label = "3",
+                                        .unit = "cm",
+                                        .noise_mm = 2.5,
+                                        .landmarkWeight = 20.0,
+                                        .fitsLandmarks = true,
+                                        .isRigidFirst = false,
+                                        .deforms = false};
   file.view.selection = {"selection.mask", {5, 65535}, "kidney left", -12.5, 300.0};
   file.members["selection.mask"] = "voxels";
   file.stateHash = 0xfedcba9876543210ull;

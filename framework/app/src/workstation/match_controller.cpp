@@ -131,16 +131,19 @@ SharedScene MatchController::presentScene() const {
 }
 
 void MatchController::fillForm() {
-  if (std::exchange(isFormFilled_, true)) return;
-  const SharedScene scene = presentScene();
-  if (!scene || !scene->match) return;
-  form_ = ui::matchFormOf(*scene->match);
-  form_.wanted.body = nameInSimulator(*scene, form_.wanted.body);
+  if (parts_.values.areSet()) return;
+  ui::MatchForm form;
+  if (const SharedScene scene = presentScene(); scene && scene->match) {
+    form = ui::matchFormOf(*scene->match);
+    form.wanted.body = nameInSimulator(*scene, form.wanted.body);
+  }
+  parts_.values.assign(std::move(form));
 }
 
 void MatchController::open() {
   if (attempt_ && panel_) return;
   fillForm();
+  shownAssignments_ = parts_.values.assignments();
   readBodies();
   // Anew, so that the window scrolls to it.
   panel_.reset();
@@ -151,7 +154,7 @@ void MatchController::open() {
   actions.show = [this](std::size_t candidate) { show(candidate); };
   actions.deform = [this](std::size_t candidate) { beginFrom(candidate); };
   actions.close = [this] { parts_.session.mainQueue().post(unlessDestroyed([this] { close(); })); };
-  panel_.emplace(parts_.panels, form_, std::move(actions));
+  panel_.emplace(parts_.panels, parts_.values.form, std::move(actions));
 }
 
 void MatchController::close() {
@@ -171,13 +174,13 @@ void MatchController::onReplaced() {
   forgetResult();
   bodies_.clear();
   shownLog_.reset();
-  isFormFilled_ = false;
-  if (panel_) fillForm();
 }
 
 void MatchController::update() {
   presenter_.followTree();
   if (!panel_) return;
+  if (parts_.values.assignments() != shownAssignments_) open();
+  parts_.values.countChanges();
   presenter_.setArrowScale(panel_->arrowScale());
   const std::shared_ptr<ChangeLog> log = parts_.session.changes();
   if (log != shownLog_ || (log && log->count() != shownChanges_)) readBodies();
@@ -232,9 +235,9 @@ Expected<std::vector<Landmark>> MatchController::landmarks(const std::filesystem
 
 void MatchController::begin() {
   const auto attempt = std::make_shared<Attempt>();
-  attempt->wanted = form_.match();
-  if (form_.source == ui::MatchSource::labels)
-    if (const auto good = setMatchLabel(form_.label, attempt->wanted); !good)
+  attempt->wanted = parts_.values.form.match();
+  if (parts_.values.form.source == ui::MatchSource::labels)
+    if (const auto good = setMatchLabel(parts_.values.form.label, attempt->wanted); !good)
       return parts_.failed(kFailed, good.error());
   const auto all = landmarks(attempt->wanted.landmarks);
   if (!all) return parts_.failed(kFailed, all.error());

@@ -16,6 +16,7 @@
 #include "c3de/ui/match_panel.h"
 #include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
+#include "workstation/match_form_record.h"
 #include "workstation/match_presenter.h"
 #include "workstation/messages.h"
 #include "workstation/simulation_history.h"
@@ -34,6 +35,7 @@ class MatchController {
     WorkstationImages &images;
     const ui::MeasurementList &measurements;
     SimulationHistory &history;
+    MatchValues &values;
     ReportError failed;
     std::function<std::string()> blockingReason;  ///< why there can be no match now, for the user; empty: there can
   };
@@ -82,7 +84,6 @@ class MatchController {
   }
 
   Parts parts_;
-  ui::MatchForm form_;
   std::optional<ui::MatchPanel> panel_;
   MatchPresenter presenter_;
   SharedAttempt attempt_;  ///< that is running; null: none
@@ -92,7 +93,7 @@ class MatchController {
   std::vector<std::string> bodies_;
   std::shared_ptr<ChangeLog> shownLog_;  ///< of these bodies
   std::uint64_t shownChanges_ = 0;
-  bool isFormFilled_ = false;
+  std::uint64_t shownAssignments_ = 0;  ///< of the values that the panel shows
   std::shared_ptr<const bool> lifetime_ = std::make_shared<const bool>(true);
 };
 

@@ -67,8 +67,10 @@ SessionController::Baseline SessionController::present() const {
   const bool isPicked = workflow.mask().mask() || (!workflow.mask().isBusy() && !workflow.pickedLabels().empty());
   const std::uint64_t selection = isPicked ? workflow.mask().revision() : 0;
   const std::uint64_t comparison = parts_.comparison.revision();
-  if (simulation == nullptr) return {0, 0, 0, measurements, selection, comparison};
-  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection, comparison};
+  const std::uint64_t match = parts_.match.revision();
+  if (simulation == nullptr) return {0, 0, 0, measurements, selection, comparison, match};
+  return {serial_, parts_.session.changes()->count(), simulation->state().steps, measurements, selection, comparison,
+          match};
 }
 
 SessionController::Unsaved SessionController::unsaved() const {
@@ -80,6 +82,7 @@ SessionController::Unsaved SessionController::unsaved() const {
   if (baseline_ || !parts_.measurements.set().isEmpty()) out.measurements = saved.measurements != now.measurements;
   out.selection = saved.selection != now.selection;
   out.comparison = saved.comparison != now.comparison && !parts_.comparison.isRestoring();
+  out.match = saved.match != now.match;
   return out;
 }
 
@@ -114,6 +117,7 @@ ShownView SessionController::shownView() const {
     shown.view.selection =
         SavedSelection{{}, {picked.labels.begin(), picked.labels.end()}, picked.name, picked.low, picked.high};
   }
+  if (parts_.match.areSet()) shown.view.match = savedOf(parts_.match.form);
   if (parts_.measurements.revision() != 0) shown.view.measurements = savedOf(parts_.measurements.set());
   const render::Camera &camera = parts_.window.camera();
   shown.view.camera = SessionView::CameraPose{camera.focus, camera.yaw, camera.pitch, camera.distance};
@@ -281,6 +285,8 @@ void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::
                                  const std::string &notRestored) {
   if (session && !session->action.empty()) return onReplaced();
   if (session && session->saved.view.measurements) parts_.measurements.assign(setOf(*session->saved.view.measurements));
+  if (session && session->saved.view.match)
+    parts_.match.assign(formOf(*session->saved.view.match, session->file.parent_path()));
   begin();
   const bool isRecovered = session && session->file.parent_path() == recoveryFolder();
   if (!isRecovered) baseline_ = present();

@@ -16,6 +16,7 @@
 #include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
 #include "workstation/comparison_controller.h"
+#include "workstation/match_form_record.h"
 #include "workstation/messages.h"
 #include "workstation/missing_files_controller.h"
 #include "workstation/session_recovery.h"
@@ -36,6 +37,7 @@ class SessionController {
     ui::WorkstationWindow &window;
     ui::MeasurementList &measurements;
     ComparisonController &comparison;
+    MatchValues &match;
     ReportError failed;
   };
   explicit SessionController(Parts parts);
@@ -64,11 +66,12 @@ class SessionController {
     bool simulation = false, measurements = false;
     bool selection = false;   ///< what is picked or painted in the image
     bool comparison = false;  ///< the pose of the second scan
+    bool match = false;       ///< the values of the panel *Match*
   };
   [[nodiscard]] Unsaved unsaved() const;
   [[nodiscard]] bool isModified() const {
     const Unsaved parts = unsaved();
-    return parts.simulation || parts.measurements || parts.selection || parts.comparison;
+    return parts.simulation || parts.measurements || parts.selection || parts.comparison || parts.match;
   }
   /// Called about once a second: writes what is not saved yet to the recovery file.
   void autosaveIfDue();
@@ -95,6 +98,7 @@ class SessionController {
     std::uint64_t measurements = 0;  ///< revision
     std::uint64_t selection = 0;     ///< revision of the mask; 0: nothing is picked
     std::uint64_t comparison = 0;    ///< revision of the pose; 0: as in its file
+    std::uint64_t match = 0;         ///< revision of the values
     friend bool operator==(const Baseline &, const Baseline &) = default;
   };
 

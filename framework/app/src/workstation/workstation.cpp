@@ -112,6 +112,7 @@ class Workstation {
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::optional<PluginProblems> plugins_;
+  MatchValues matchValues_;
   // Used by the jobs and the simulation of the session until they end:
   std::optional<WorkstationLoader> loader_;
   std::optional<WorkstationImages> images_;
@@ -258,7 +259,7 @@ void Workstation::createControllers() {
   figures_.emplace(FigureController::Parts{session, panels_, *window_, *renderer_, *images_, *measurements_, failed});
   plots_.emplace(PlotController::Parts{session, panels_, *measurements_, *figures_, failed});
   sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, measurements_->list(),
-                                             *comparison_, failed});
+                                             *comparison_, matchValues_, failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
   bodyUpdates_.emplace(
@@ -266,7 +267,7 @@ void Workstation::createControllers() {
       [this] { return replay_->isReplaying() ? std::string(ui::kReplayLocks) : std::string(); });
   tissueSurfaces_.emplace(session, *renderer_);
   match_.emplace(MatchController::Parts{session, *renderer_, panels_, *images_, measurements_->list(), *history_,
-                                        failed, [this] { return whyNoMatch(); }});
+                                        matchValues_, failed, [this] { return whyNoMatch(); }});
   recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
   preferences_.emplace(panels_, [this](const ui::Preferences &preferences) { apply(preferences); });
   session.setPublishedHook([this](const scene::Simulation &simulation) {
@@ -423,6 +424,7 @@ std::string Workstation::unsaved() {
         " s, has changes that are not saved.");
   if (unsaved.measurements) add("The measurements are not saved.");
   if (unsaved.comparison) add("The position of the second scan is not saved.");
+  if (unsaved.match) add("The values of the panel Match are not saved.");
   if (replay_->hasKept()) add("The simulation from before the timeline was shown is not saved.");
   if (unsaved.selection && !images_->isMaskSaved())
     add("What is picked in the image is not saved, and no body has been created of it.");
@@ -486,6 +488,7 @@ void Workstation::onBodiesJoined(bool isNew, bool hasReplaced) {
   sessions_->onMade(hasReplaced);
   report_->begin(false);
   if (isNew) loadedFiles_.clear();
+  if (isNew) matchValues_.clear();
   // Bodies that existed before restart.
   const std::shared_ptr<const std::vector<TissueVoxels>> stay = isNew ? nullptr : tissueTable_->tracker().bodies();
   beginTissues(stay ? *stay : std::vector<TissueVoxels>());
@@ -495,6 +498,8 @@ void Workstation::onBodiesJoined(bool isNew, bool hasReplaced) {
 void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
   match_->onReplaced();
+  const bool isUndo = loaded.session && !loaded.session->action.empty();
+  if (!isUndo && !loaded.isReload) matchValues_.clear();
   checkSize(loaded, panels_);
   const scene::SceneImage image = loaded.image.value_or(scene::SceneImage{});
   warp_->setSettings(image);
@@ -515,7 +520,6 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   recording_->end("Another simulation is open.");
   const ReplayController::Present present = replay_->onLoaded(loaded.session);
   measurements_->onLoaded(loaded);
-  const bool isUndo = loaded.session && !loaded.session->action.empty();
   const bool isPast = present == ReplayController::Present::replay && replay_->hasKept();
   if (present == ReplayController::Present::keptOne) recording_->onReturned();
   if (present == ReplayController::Present::replay)

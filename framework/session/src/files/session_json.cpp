@@ -293,6 +293,34 @@ void readComparison(Json object, ParsedSession &out, std::string &error) {
   keys.keepRest(Pointer() / "view" / "comparison", out.session.unknown);
 }
 
+void readMatch(Json object, ParsedSession &out, std::string &error) {
+  SavedMatch &match = out.session.view.match.emplace();
+  if (!object.is_object()) return;
+  KeyReader keys(std::move(object), "view.match.", error);
+  keys.text("body", match.body);
+  keys.text("points", match.points);
+  keys.text("surface", match.surface);
+  keys.text("labels", match.labels);
+  keys.text("landmarks", match.landmarks);
+  keys.text("source", match.source);
+  keys.text("label", match.label);
+  keys.count("time", match.time);
+  keys.text("unit", match.unit);
+  keys.number("noise_mm", match.noise_mm);
+  keys.number("weight", match.landmarkWeight);
+  keys.flag("fit", match.fitsLandmarks);
+  keys.flag("rigid_first", match.isRigidFirst);
+  keys.flag("deform", match.deforms);
+  if (match.source != "points" && match.source != "surface" && match.source != "labels")
+    keys.refuse(fmt::format("the key view.match.source is '{}'; accepted: points, surface, labels",
+                            displayMessage(match.source)));
+  if (!match.unit.empty() && match.unit != "m" && match.unit != "mm" && match.unit != "cm")
+    keys.refuse(fmt::format("the key view.match.unit is '{}'; accepted: m, mm, cm", displayMessage(match.unit)));
+  for (const auto &[key, value] : {std::pair("noise_mm", match.noise_mm), std::pair("weight", match.landmarkWeight)})
+    if (!(value > 0.0)) keys.refuse(fmt::format("the key view.match.{} is {}; accepted: above 0", key, value));
+  keys.keepRest(Pointer() / "view" / "match", out.session.unknown);
+}
+
 void readView(const Json &object, ParsedSession &out, std::string &error) {
   if (object.is_null()) return;
   SessionView &view = out.session.view;
@@ -320,6 +348,7 @@ void readView(const Json &object, ParsedSession &out, std::string &error) {
   }
   if (reader.has("measurements")) readMeasurements(reader.object("measurements"), view.measurements.emplace(), error);
   if (reader.has("comparison")) readComparison(reader.object("comparison"), out, error);
+  if (reader.has("match")) readMatch(reader.object("match"), out, error);
   if (reader.has("selection")) {
     const Json selection = reader.object("selection");
     SavedSelection &picked = view.selection.emplace();
@@ -388,6 +417,18 @@ Json viewJson(const SessionView &view) {
     if (second.window) comparison["window"] = *second.window;
     if (second.level) comparison["level"] = *second.level;
   }
+  if (view.match) {
+    const SavedMatch &match = *view.match;
+    Json &out = json["match"] = Json{{"body", match.body},         {"source", match.source},
+                                     {"noise_mm", match.noise_mm}, {"weight", match.landmarkWeight},
+                                     {"fit", match.fitsLandmarks}, {"rigid_first", match.isRigidFirst},
+                                     {"deform", match.deforms}};
+    for (const auto &[key, text] :
+         {std::pair("points", &match.points), std::pair("surface", &match.surface), std::pair("labels", &match.labels),
+          std::pair("landmarks", &match.landmarks), std::pair("label", &match.label), std::pair("unit", &match.unit)})
+      if (!text->empty()) out[key] = *text;
+    if (match.time != 0) out["time"] = match.time;
+  }
   if (view.camera)
     json["camera"] = Json{{"focus_mm", view.camera->focus_mm},
                           {"yaw_rad", view.camera->yaw_rad},
@@ -436,7 +477,8 @@ bool addUnknown(const std::string &pointer, const Json &value, const SessionFile
     Json *object = nullptr;
     const Pointer files = Pointer() / "files";
     if (at.empty() || at == Pointer() / "view" || at == Pointer() / "view" / "camera" ||
-        at == Pointer() / "view" / "selection" || at == Pointer() / "view" / "comparison") {
+        at == Pointer() / "view" / "selection" || at == Pointer() / "view" / "comparison" ||
+        at == Pointer() / "view" / "match") {
       // What they described is not in this session.
       if (!at.empty() && !json.contains(at)) return true;
       object = &json[at];

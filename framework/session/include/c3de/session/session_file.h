@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -76,6 +77,23 @@ struct SavedComparison {
   friend bool operator==(const SavedComparison &, const SavedComparison &) = default;
 };
 
+/// Values of the window's panel *Match*.
+struct SavedMatch {
+  std::string body;
+  std::string points, surface, labels, landmarks;  ///< absolute paths; empty: none
+  std::uint64_t time = 0;                          ///< time point of the label map, from 0
+  std::string source = "points";                   ///< which of the first three: "points", "surface" or "labels"
+  std::string label;                               ///< number or name
+  std::string unit;              ///< of points and surface: "m", "mm" or "cm"; empty: that of the file
+  double noise_mm = 1.0;         ///< above 0: standard deviation of the measurement
+  double landmarkWeight = 10.0;  ///< above 0: points that one fitted landmark counts as
+  bool fitsLandmarks = false;    ///< false: landmarks evaluate the result
+  bool isRigidFirst = true;      ///< false: the position of the body is given
+  bool deforms = true;           ///< false: the rigid motion only
+
+  friend bool operator==(const SavedMatch &, const SavedMatch &) = default;
+};
+
 /// What the window showed. Paths as in SessionFile::files, or names of members.
 struct SessionView {
   struct CameraPose {
@@ -94,6 +112,7 @@ struct SessionView {
   std::optional<SavedMeasurements> measurements;  ///< none: those of the scene
   std::optional<SavedSelection> selection;        ///< none: nothing is picked
   std::optional<SavedComparison> comparison;      ///< none: only the image is shown
+  std::optional<SavedMatch> match;                ///< none: that of the scene
 
   friend bool operator==(const SessionView &, const SessionView &) = default;
 };
