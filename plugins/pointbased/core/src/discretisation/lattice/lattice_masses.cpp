@@ -286,13 +286,15 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   correctSecondMoments(corners, rows, least, out.inertial, errors, parallelFor);
   detail::checkCancelled(parallelFor);
   redistributeToLightNodes(corners, rows, least, out.inertial, errors, parallelFor);
-  std::vector<double> available(out.inertial.size());
-  for (std::size_t i = 0; i < available.size(); ++i) {
-    double minimum = std::max(kMinMass * uncorrected[i], least[i]);
-    if (!out.held.empty() && out.held[i] > 0.0) minimum = std::max({minimum, leastFree[i], evenFree[i]});
-    available[i] = std::max(0.0, out.inertial[i] - minimum);
+  if (map.edges().any()) {
+    std::vector<double> available(out.inertial.size());
+    for (std::size_t i = 0; i < available.size(); ++i) {
+      double minimum = std::max(kMinMass * uncorrected[i], least[i]);
+      if (!out.held.empty() && out.held[i] > 0.0) minimum = std::max({minimum, leastFree[i], evenFree[i]});
+      available[i] = std::max(0.0, out.inertial[i] - minimum);
+    }
+    errors.correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
   }
-  errors.correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());
   for (std::size_t i = 0; i < out.held.size(); ++i) {
