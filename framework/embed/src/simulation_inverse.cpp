@@ -118,6 +118,11 @@ Result<session::ForceCurve> curveOf(const c3de_embed_fit_options &in) {
   return out;
 }
 
+/// Whether the work of a progress function continues.
+c3de_status C3DE_CALL continues(void *self, double fraction, c3de_str) {
+  return (*static_cast<const ProgressFn *>(self))(fraction, {}) ? C3DE_OK : C3DE_E_CANCELLED;
+}
+
 }  // namespace
 
 Result<geometry::TriangleMesh> EmbeddedSimulation::restSkinOf(const BodyEntry &body) {
@@ -230,10 +235,14 @@ Result<const char *> EmbeddedSimulation::sensitivity(std::uint64_t index, const 
   request.body = (*entry)->handle;
   request.objective = objective;
   request.points_n = points;
+  const Running running(*this);
+  ProgressFn wanted = running.progress({});
+  const c3de_progress progress{sizeof(c3de_progress), 0, &wanted, &continues};
   std::string text;
   const c3de_status code = callPluginFunction(
       session_->plugins().ownerOf(simulator_->get()), "a sensitivity", CallKind::step,
-      [&] { return (*table)->sensitivity(simulator_->get(), &request, forces, scene::sinkInto(text)); });
+      [&] { return (*table)->sensitivity(simulator_->get(), &request, &progress, forces, scene::sinkInto(text)); });
+  if (code == C3DE_E_CANCELLED) return refuse(C3DE_E_CANCELLED, "the sensitivity was cancelled");
   if (code < 0) return tl::unexpected(reason("the sensitivity", code));
   inverse_ = std::move(text);
   return inverse_.c_str();

@@ -256,6 +256,26 @@ class Sensitivities(unittest.TestCase):
         self.assertEqual(list(found.moduli), ["beam", "beam.parts.0", "soft"])
         self.assertNotEqual(found.moduli["beam.parts.0"], 0.0)
 
+    def test_another_thread_cancels_a_sensitivity(self):
+        with beam(spacing=0.0025, force=[0, 0, -0.1]) as sim:
+            sim.run()
+            body = sim.bodies[0]
+            ended = threading.Event()
+
+            def cancel():
+                while not ended.wait(0.001):
+                    sim.cancel()
+
+            thread = threading.Thread(target=cancel)
+            thread.start()
+            with self.assertRaises(c3de.Error) as raised:
+                body.sensitivity(numpy.ones((len(body.points), 3)))
+            ended.set()
+            thread.join()
+            self.assertEqual(raised.exception.kind, "cancelled")
+            # The solution is unchanged and can be differentiated.
+            self.assertGreater(numpy.abs(body.sensitivity(numpy.ones((len(body.points), 3))).forces).max(), 0.0)
+
     def test_what_is_not_static_is_refused(self):
         with c3de.open(SCENES / "first_light.toml") as sim:
             body = sim.body("organ")

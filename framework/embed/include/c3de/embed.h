@@ -203,8 +203,8 @@ C3DE_EMBED_API c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *d
 /* options null: all 0. C3DE_E_DIVERGED also where bodies have stopped at the end; all steps were made then, and the
  * state is complete. */
 C3DE_EMBED_API c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options);
-/* Ends the step, run, replay or warp of another thread with C3DE_E_CANCELLED, within a second or so; without one it has
- * no effect. Does not wait. A build that c3de_embed_open() makes is cancelled by its progress function. */
+/* Ends the step, run, replay, match, fit, sensitivity or warp of another thread with C3DE_E_CANCELLED, within a second
+ * or so; without one it has no effect. Does not wait. A build that c3de_embed_open() makes is cancelled by its progress function. */
 C3DE_EMBED_API c3de_status c3de_embed_cancel(c3de_sim sim);
 C3DE_EMBED_API c3de_status c3de_embed_reset(c3de_sim sim); /* to the initial state, bit for bit */
 /* Hash of the complete simulation state: equal to `state_hash` in the report of `c3de run` after the same steps. */
@@ -440,7 +440,8 @@ C3DE_EMBED_API c3de_status c3de_embed_fit(c3de_sim sim, uint64_t body, const c3d
  * derivative with respect to the displacement of each material point (1/m times its unit). forces: [points_n][3], with
  * respect to a force on each (1/N). json: object with `supports` (`fix`, `displacement` per m, `rotation` per rad about
  * `centre_m`), `foundation` (`stiffness`, `tangential`, per Pa/m) and `moduli` (`material`, `value` per Pa).
- * C3DE_E_STATE: the solution is not static, or has contact or flow, which are not differentiated. */
+ * C3DE_E_STATE: the solution is not static, or has contact or flow, which are not differentiated. c3de_embed_cancel()
+ * ends it. */
 C3DE_EMBED_API c3de_status c3de_embed_sensitivity(c3de_sim sim, uint64_t body, const double *objective,
                                                   uint64_t points_n, double *forces, const char **json);
 

@@ -149,7 +149,8 @@ void IdentificationCalls::fit(const c3de_fit_request *request, const c3de_progre
   putJson(json, jsonOf(*found, source, name));
 }
 
-void IdentificationCalls::sensitivity(const c3de_sensitivity_request *request, double *forces, c3de_sink json) {
+void IdentificationCalls::sensitivity(const c3de_sensitivity_request *request, const c3de_progress *progress,
+                                      double *forces, c3de_sink json) {
   const c3de_sensitivity_request in = sdk::readStruct(request, "request");
   const std::lock_guard lock(parts_.world.mutex);
   const BodyRecord &record = parts_.world.table.bodyOrThrow(in.body.v);
@@ -174,8 +175,17 @@ void IdentificationCalls::sensitivity(const c3de_sensitivity_request *request, d
   environment.tolerance = settings.tolerance;
   environment.preconditioner = settings.preconditioner;
   environment.parallelFor = &parallelFor;
-  EquilibriumSensitivitySolver solver;
-  const auto found = solver.solve(body, environment, parts_.world.simulator.loadFactor(), objective);
+  const sdk::Progress wanted(progress);
+  BuildRequest stop(wanted);
+  environment.stop = &stop;
+  const auto found = [&] {
+    try {
+      EquilibriumSensitivitySolver solver;
+      return solver.solve(body, environment, parts_.world.simulator.loadFactor(), objective);
+    } catch (const Stopped &) {
+      throw Error(C3DE_E_CANCELLED, "cancelled");
+    }
+  }();
   if (!found) throw Error(C3DE_E_STATE, found.error());
   for (std::size_t i = 0; i < n; ++i) std::copy_n(found->forces[i].data(), 3, forces + 3 * i);
   putJson(json, jsonOf(*found, record.source, record.name));

@@ -13,7 +13,8 @@ class IdentificationCalls {
   explicit IdentificationCalls(SimulatorParts &parts) : parts_(parts) {}
 
   void fit(const c3de_fit_request *request, const c3de_progress *progress, c3de_fit_result *out, c3de_sink json);
-  void sensitivity(const c3de_sensitivity_request *request, double *forces, c3de_sink json);
+  void sensitivity(const c3de_sensitivity_request *request, const c3de_progress *progress, double *forces,
+                   c3de_sink json);
 
  private:
   SimulatorParts &parts_;

@@ -67,9 +67,9 @@ typedef struct c3de_identification_v0 {
    * to a force on each point. json: object with `supports`, an array of objects with `fix` (number), `displacement`,
    * `rotation` (per rad, about `centre_m`), `foundation` with `stiffness` and `tangential` (per Pa/m), and `moduli`, an
    * array of objects with `material` and `value` (per Pa; null: a custom law). C3DE_E_STATE: no static solution, or one
-   * that cannot be differentiated. [any] */
-  c3de_status(C3DE_CALL *sensitivity)(c3de_object *self, const c3de_sensitivity_request *request, double *forces,
-                                      c3de_sink json);
+   * that cannot be differentiated; C3DE_E_CANCELLED. progress may be null. [any] */
+  c3de_status(C3DE_CALL *sensitivity)(c3de_object *self, const c3de_sensitivity_request *request,
+                                      const c3de_progress *progress, double *forces, c3de_sink json);
 } c3de_identification_v0;
 
 #endif
