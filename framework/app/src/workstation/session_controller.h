@@ -16,7 +16,7 @@
 #include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
 #include "workstation/comparison_controller.h"
-#include "workstation/match_form_record.h"
+#include "workstation/match_values.h"
 #include "workstation/messages.h"
 #include "workstation/missing_files_controller.h"
 #include "workstation/session_recovery.h"

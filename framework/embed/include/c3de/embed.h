@@ -204,7 +204,8 @@ C3DE_EMBED_API c3de_status c3de_embed_step(c3de_sim sim, uint64_t n, uint64_t *d
  * state is complete. */
 C3DE_EMBED_API c3de_status c3de_embed_run(c3de_sim sim, const c3de_embed_run_options *options);
 /* Ends the step, run, replay, match, fit, sensitivity or warp of another thread with C3DE_E_CANCELLED, within a second
- * or so; without one it has no effect. Does not wait. A build that c3de_embed_open() makes is cancelled by its progress function. */
+ * or so; without one it has no effect. Does not wait. A build that c3de_embed_open() makes is cancelled by its progress
+ * function. */
 C3DE_EMBED_API c3de_status c3de_embed_cancel(c3de_sim sim);
 C3DE_EMBED_API c3de_status c3de_embed_reset(c3de_sim sim); /* to the initial state, bit for bit */
 /* Hash of the complete simulation state: equal to `state_hash` in the report of `c3de run` after the same steps. */

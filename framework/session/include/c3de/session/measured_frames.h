@@ -21,9 +21,9 @@ struct MeasuredFrame {
 inline constexpr std::size_t kMaxFrames = 100000;
 
 /// Reads a sequence: a folder of files that readMeasuredPoints() accepts, in the order of their names (numbers in names
-/// by value), or a CSV with the columns `frame` or `time_s`, and `x`, `y`, `z` (and `landmark`), in which each run of rows with the same
-/// value is a frame. Errors (ErrorCode::input) state file, line, value and what is accepted; times must increase. Any
-/// thread.
+/// by value), or a CSV with the columns `frame` or `time_s`, and `x`, `y`, `z` (and `landmark`),
+/// in which each run of rows with the same value is a frame. Errors (ErrorCode::input) state file, line, value and what
+/// is accepted; times must increase. Any thread.
 [[nodiscard]] Expected<std::vector<MeasuredFrame>> readMeasuredFrames(const std::filesystem::path &path,
                                                                       std::optional<geometry::LengthUnit> unit);
 

@@ -2,6 +2,7 @@
 #include "discretisation/lattice/lattice_masses.h"
 
 #include <numeric>
+#include <optional>
 
 #include "base/cancellation_poll.h"
 #include "discretisation/lattice/lattice_jitter.h"
@@ -17,9 +18,9 @@ constexpr double kMinMass = 0.55;
 // would limit the explicit step.
 constexpr double kEvenInSlivers = 0.5, kWellFilled = 5.0 / 6.0;
 
-// Largest Σ v |g|² d² per mass of a phyxel, d the finest edge: the value at corners of whole cells after the correction
-// (2.73 at the corner of a box). Phyxels of cut cells with up to 6 limited the explicit step of their body. Next to
-// held material, additional mass costs nothing: it hardly moves.
+// Largest Σ v |g|² d² per mass of a phyxel, d the finest edge: the value at corners of whole cells after the
+// correction (2.73 at the corner of a box). Phyxels of cut cells with up to 6 limited the explicit step of their body.
+// Next to held material, additional mass costs nothing: it hardly moves.
 constexpr double kMaxStiffness = 2.8, kMaxBesideHeld = 2.0;
 
 // Distance of the nodes of the patches in which the remaining errors of moments are corrected, in edges of the coarsest
@@ -127,9 +128,9 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
   return gradients;
 }
 
-// Subtracts the rows, each as far as its ends permit.
+// Subtracts the rows, each as far as its ends permit. What remains is added to the errors, if these are not null.
 void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                          std::vector<double> &volumes, MomentErrors &errors, const ParallelFor &parallelFor) {
+                          std::vector<double> &volumes, MomentErrors *errors, const ParallelFor &parallelFor) {
   std::vector<double> changed, allowed(volumes.size(), 1.0), factors(rows.size());
   detail::CancellationPoll look(parallelFor);
   for (bool settled = false; !settled;) {
@@ -154,19 +155,20 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
       }
   }
   volumes = std::move(changed);
+  if (errors == nullptr) return;
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (factors[r] < 1.0)
       for (std::size_t k = 0; k < 3; ++k)
         forPhyxels(corners, rows[r].nodes[k], [&](Index i, double weight) {
-          errors.add(corners.phyxels[corners.offsets[rows[r].nodes[1]]], i,
-                     (k == 1 ? -2.0 : 1.0) * weight * (1.0 - factors[r]) * rows[r].amount);
+          errors->add(corners.phyxels[corners.offsets[rows[r].nodes[1]]], i,
+                      (k == 1 ? -2.0 : 1.0) * weight * (1.0 - factors[r]) * rows[r].amount);
         });
 }
 
 // Gives phyxels that are still too light the missing mass from the middles of rows at whose ends they are. These are
 // second differences of opposite sign, so volume and centre are preserved.
 void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                              std::vector<double> &volumes, MomentErrors &errors, const ParallelFor &parallelFor) {
+                              std::vector<double> &volumes, MomentErrors *errors, const ParallelFor &parallelFor) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
@@ -193,8 +195,10 @@ void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> ro
       volumes[i] += given;
       volumes[(*best)[0]] -= 2.0 * given;
       volumes[(*best)[1]] += given;
-      errors.add((*best)[0], static_cast<Index>(i), given);
-      errors.add((*best)[0], (*best)[1], given);
+      if (errors != nullptr) {
+        errors->add((*best)[0], static_cast<Index>(i), given);
+        errors->add((*best)[0], (*best)[1], given);
+      }
       candidates.erase(best);
     }
   }
@@ -241,7 +245,9 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   const Sharing sharing{map, contents};
   Least least(map, kMaxStiffness), leastFree(map, kMaxBesideHeld);
   std::vector<double> evenFree;  // m³, by phyxel
-  MomentErrors errors(corners.positions, componentsOf(map));
+  std::optional<MomentErrors> moments;
+  if (map.edges().any()) moments.emplace(corners.positions, componentsOf(map));
+  MomentErrors *const errors = moments ? &*moments : nullptr;
   detail::CancellationPoll look(parallelFor);
   for (std::size_t p = 0; p < contents.size(); ++p) {
     look();
@@ -273,7 +279,8 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
     const double even = evenPart(contents[p].all.share), evenOfFree = evenPart(loose.share);
     for (std::size_t j = 0; j < 8; ++j)
       forPhyxels(corners, part.nodes[j], [&](Index i, double weight) {
-        if (even > 0.0) addEvenly(errors, corners, part, i, weight * volume * even * (0.125 - functions[j]));
+        if (errors != nullptr && even > 0.0)
+          addEvenly(*errors, corners, part, i, weight * volume * even * (0.125 - functions[j]));
         out.weights[i] += weight * volume * functions[j];
         out.inertial[i] += weight * volume * ((1.0 - even) * functions[j] + even / 8.0);
         if (!holds) return;
@@ -286,14 +293,14 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   correctSecondMoments(corners, rows, least, out.inertial, errors, parallelFor);
   detail::checkCancelled(parallelFor);
   redistributeToLightNodes(corners, rows, least, out.inertial, errors, parallelFor);
-  if (map.edges().any()) {
+  if (errors != nullptr) {
     std::vector<double> available(out.inertial.size());
     for (std::size_t i = 0; i < available.size(); ++i) {
       double minimum = std::max(kMinMass * uncorrected[i], least[i]);
       if (!out.held.empty() && out.held[i] > 0.0) minimum = std::max({minimum, leastFree[i], evenFree[i]});
       available[i] = std::max(0.0, out.inertial[i] - minimum);
     }
-    errors.correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
+    errors->correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
   }
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());

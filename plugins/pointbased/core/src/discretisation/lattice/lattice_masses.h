@@ -19,13 +19,13 @@ struct PhyxelVolumes {
 ///
 ///     e = ∫_part (x − x₀)(x₁ − x) dV      along each axis; v h²/6 for a whole cell
 ///
-/// Second differences −e/(2h²) (1, −2, 1) over three corners in a row subtract that and preserve volume and centre.
-/// Inside the body neighbours cancel. At its ends the weights become those of an end-corrected quadrature (3/8, 9/8,
-/// 9/8, 3/8 for three cells across: Simpson's three-eighths rule). Without them a bar of n cells has 1 + 2/n² times its
-/// inertia about its axis. If a phyxel would have too little mass for a reasonable explicit step, the correction is
-/// partial or has the opposite sign, and slivers are distributed more evenly. MomentErrors reduces the errors of the
-/// moments that both cause, in bodies with cells of second order. A body one cell thick has no three corners in a row
-/// across.
+/// Second differences −e/(2h²) (1, −2, 1) over three corners in a row subtract that and preserve volume and
+/// centre. Inside the body neighbours cancel. At its ends the weights become those of an end-corrected quadrature
+/// (3/8, 9/8, 9/8, 3/8 for three cells across: Simpson's three-eighths rule). Without them a bar of n cells has 1 +
+/// 2/n² times its inertia about its axis. If a phyxel would have too little mass for a reasonable explicit step, the
+/// correction is partial or has the opposite sign, and slivers are distributed more evenly. MomentErrors reduces the
+/// errors of the moments that both cause, in bodies with cells of second order. A body one cell thick has no three
+/// corners in a row across.
 ///
 /// Next to held material, the moving mass is that of the free material, but never less than its stiffness requires: the
 /// support then moves less (`carried`), and the sum is preserved.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "workstation/match_form_record.h"
+#include "workstation/match_values.h"
 
 #include <utility>
 
