@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/core/input_file.h"
+#include "c3de/core/file_path.h"
 
 #include <algorithm>
 
@@ -46,12 +47,12 @@ Expected<std::ifstream> openInputFile(const std::filesystem::path &path) {
 }
 
 std::filesystem::path namedFile(const std::filesystem::path &folder, const std::string &name) {
-  std::filesystem::path asWritten = folder / pathFromText(name);
+  std::filesystem::path asWritten = joinedPath(folder, pathFromText(name));
   std::error_code code;
   if (name.find('\\') == std::string::npos || std::filesystem::exists(asWritten, code)) return asWritten;
   std::string slashed = name;
   std::replace(slashed.begin(), slashed.end(), '\\', '/');
-  std::filesystem::path other = folder / pathFromText(slashed);
+  std::filesystem::path other = joinedPath(folder, pathFromText(slashed));
   return std::filesystem::exists(other, code) ? other : asWritten;
 }
 

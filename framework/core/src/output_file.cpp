@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/core/output_file.h"
+#include "c3de/core/file_path.h"
 
 #include <cerrno>
 #include <string>
@@ -30,7 +31,7 @@ fs::path targetOf(fs::path path) {
   for (int i = 0; i < kMaxLinks && fs::is_symlink(fs::symlink_status(path, code)); ++i) {
     const fs::path link = fs::read_symlink(path, code);
     if (code) break;
-    path = link.is_absolute() ? link : path.parent_path() / link;
+    path = isAbsolutePath(link) ? link : path.parent_path() / link;
   }
   return path;
 }
@@ -195,7 +196,7 @@ namespace {
 
 bool liesIn(const fs::path &file, const fs::path &folder) {
   std::error_code code;
-  for (fs::path at = fs::weakly_canonical(file, code).parent_path(); !code && !at.empty(); at = at.parent_path()) {
+  for (fs::path at = canonicalPath(file, code).parent_path(); !code && !at.empty(); at = at.parent_path()) {
     if (fs::equivalent(at, folder, code)) return true;
     if (at == at.parent_path()) break;
   }

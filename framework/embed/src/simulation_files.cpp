@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/scene/text_sink.h"
@@ -86,7 +87,7 @@ Result<void> EmbeddedSimulation::saveSession(const std::filesystem::path &file) 
   const auto captured = session::captureState(*session_, simulator_->get(), identity_, session_->changes()->source());
   if (!captured) return refuse(captured.error());
   session::FileReferences references;
-  const auto saved = session::sessionOf(*captured, std::filesystem::absolute(file).parent_path(), references);
+  const auto saved = session::sessionOf(*captured, absolutePath(file).parent_path(), references);
   if (!saved) return refuse(saved.error());
   if (const auto written = session::writeSession(*saved, file); !written) return refuse(written.error());
   return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK's XML files, version 1.0: the arrays follow the description in base64, so that the file is well-formed XML.
 #include "c3de/geometry/vtk_writer.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -153,9 +154,8 @@ Expected<void> writePvd(const std::filesystem::path &path, std::span<const PvdEn
       "<?xml version=\"1.0\"?>\n<!-- timestep: seconds; SPACE=LPS UNITS=mm -->\n"
       "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
   for (const PvdEntry &entry : entries) {
-    const std::u8string file = entry.file.generic_u8string();
     text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", formatNumber(entry.time_s),
-                        entry.part, xmlText(std::string(file.begin(), file.end())));
+                        entry.part, xmlText(genericPathText(entry.file)));
   }
   return writeWholeFile(path, text + "</Collection>\n</VTKFile>\n");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/plugin_host/plugin_host.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -147,7 +148,7 @@ Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, bo
 Expected<void> PluginHost::Impl::load(const std::filesystem::path &file, bool isNamed) {
   C3DE_ASSERT(std::this_thread::get_id() == state.mainThread, "plugins are loaded on the main thread");
   PluginInfo info;
-  info.path = std::filesystem::absolute(file).lexically_normal();
+  info.path = normalPath(absolutePath(file));
   auto plugin = tryLoad(info.path, isNamed, info);
   if (!plugin) {
     info.reason = plugin.error().message;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "c3de/core/embedding.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/platform.h"
 #include "c3de/plugin_host/load_rules.h"
 #include "c3de/plugin_host/plugin_host.h"
@@ -9,13 +10,13 @@
 namespace c3de::plugin_host {
 
 std::filesystem::path ownPluginFolder() {
-  return (modulePath().parent_path() / ".." / "lib" / "c3de" / "plugins").lexically_normal();
+  return normalPath(modulePath().parent_path() / ".." / "lib" / "c3de" / "plugins");
 }
 
 std::vector<std::filesystem::path> defaultPluginFolders() {
   std::vector<std::filesystem::path> folders;
   const auto add = [&](std::filesystem::path folder) {
-    folder = std::filesystem::absolute(folder).lexically_normal();
+    folder = normalPath(absolutePath(folder));
     if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
   };
   const std::string list = environmentVariable("C3DE_PLUGIN_PATH");

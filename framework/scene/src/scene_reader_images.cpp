@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/input_file.h"
 #include "scene_fields.h"
 
@@ -73,7 +74,7 @@ std::string labelText(double number) {
 bool SceneReader::read(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
   std::string text;
   if (!read(key, value, text)) return false;
-  const std::filesystem::path path = namedFile(scene_.source.parent_path(), text).lexically_normal();
+  const std::filesystem::path path = normalPath(namedFile(scene_.source.parent_path(), text));
   std::error_code code;
   if (text.empty()) return refuse(value.line, key + " is empty; accepted: an image file or DICOM folder");
   out = path;

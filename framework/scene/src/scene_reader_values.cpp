@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
@@ -34,12 +35,11 @@ bool SceneReader::readFile(const std::string &key, const char *accepted, const T
   if (!read(key, value, text)) return false;
   if (text.empty()) return refuse(value.line, key + " is empty; accepted: " + accepted);
   const std::filesystem::path path = namedFile(scene_.source.parent_path(), text);
-  out = path.lexically_normal();
+  out = normalPath(path);
   if (!checksFiles_) return true;
   std::error_code code;
   if (!std::filesystem::exists(path, code))
-    return refuse(value.line,
-                  key + " '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
+    return refuse(value.line, key + " '" + text + "' does not exist; it is looked for at " + normalPath(path).string());
   if (const std::string instead = describeNonFile(path); !instead.empty())
     return refuse(value.line, key + " '" + text + "' " + instead + "; accepted: " + accepted);
   return true;

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "scene_fields.h"
@@ -89,8 +90,7 @@ double NumberReader::inverse(double value) const {
 SceneWriter::SceneWriter(const std::filesystem::path &folder, std::function<std::string(const SceneBody &)> nameOfMask)
     : nameOfMask_(std::move(nameOfMask)) {
   std::error_code code;
-  folder_ = folder.empty() ? std::filesystem::current_path(code) : std::filesystem::absolute(folder, code);
-  folder_ = folder_.lexically_normal();
+  folder_ = normalPath(absolutePath(folder.empty() ? std::filesystem::current_path(code) : folder, code));
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
 }
 
@@ -145,12 +145,11 @@ SceneWriter::Written SceneWriter::write(const std::string &key, const std::array
 SceneWriter::Written SceneWriter::write(const std::string &key, const std::filesystem::path &path) {
   if (path.empty()) return std::nullopt;
   std::error_code code;
-  std::filesystem::path whole = std::filesystem::absolute(path, code).lexically_normal();
+  std::filesystem::path whole = normalPath(absolutePath(path, code));
   if (code) return refuse(key + ": '" + pathText(path) + "' has no absolute path: " + code.message());
-  const std::filesystem::path below = whole.lexically_relative(folder_);
+  const std::filesystem::path below = relativePath(whole, folder_);
   if (!below.empty() && *below.begin() != "..") whole = below;
-  const std::u8string text = whole.generic_u8string();
-  return write(key, std::string(text.begin(), text.end()));
+  return write(key, genericPathText(whole));
 }
 
 SceneWriter::Written SceneWriter::write(const std::string &, const geometry::LengthUnit &unit) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/segmentation/scan_body.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -47,10 +48,8 @@ std::string quoted(const std::string &text) {
 }
 
 std::string fileText(const std::filesystem::path &file, const std::filesystem::path &folder) {
-  std::error_code ignored;
-  const std::filesystem::path whole = std::filesystem::absolute(file, ignored).lexically_normal();
-  const std::filesystem::path from = std::filesystem::absolute(folder, ignored).lexically_normal();
-  const std::filesystem::path there = folder.empty() ? whole : whole.lexically_relative(from);
+  const std::filesystem::path whole = normalPath(absolutePath(file)), from = normalPath(absolutePath(folder));
+  const std::filesystem::path there = folder.empty() ? whole : relativePath(whole, from);
   const bool isBelow = !there.empty() && *there.begin() != "..";
   return quoted(pathText(isBelow ? there : whole));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/study/study_file.h"
+#include "c3de/core/file_path.h"
 
 #include <algorithm>
 #include <array>
@@ -86,7 +87,7 @@ class Reader {
   bool file(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
     std::string name;
     if (!text(key, value, name)) return false;
-    out = (study_.source.parent_path() / name).lexically_normal();
+    out = normalPath(joinedPath(study_.source.parent_path(), name));
     std::error_code code;
     if (std::filesystem::is_regular_file(out, code)) return true;
     return refuse(value.line, key + ": " + out.string() + ": no such file");
@@ -158,9 +159,9 @@ bool Reader::plugins(const TomlValue &value) {
     if (!text("plugins", item, name)) return false;
     const bool isFile = name.find_first_of("/\\") != std::string::npos || name.ends_with(pluginExtension());
     const std::filesystem::path plugin =
-        isFile ? study_.source.parent_path() / name
+        isFile ? joinedPath(study_.source.parent_path(), name)
                : executablePath().parent_path() / ".." / "lib" / "c3de" / "study" / (name + pluginExtension());
-    study_.plugins.push_back(plugin.lexically_normal());
+    study_.plugins.push_back(normalPath(plugin));
     std::error_code code;
     if (!std::filesystem::is_regular_file(study_.plugins.back(), code))
       return refuse(item.line, "plugins: " + study_.plugins.back().string() + ": no such file; " + accepted);

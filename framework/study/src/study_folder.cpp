@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/output_file.h"
 #include "c3de/study/study_run.h"
 
@@ -62,7 +63,7 @@ Expected<StudyFolder> StudyFolder::open(const std::filesystem::path &folder, con
                   folder.string() + " contains this study; use --resume to continue it, or another folder");
   } else {
     Json json{
-        {"format", 1}, {"title", study.title}, {"study", study.source.generic_string()}, {"identity", Json::array()}};
+        {"format", 1}, {"title", study.title}, {"study", genericPathText(study.source)}, {"identity", Json::array()}};
     for (const auto &[name, value] : plan.identity) json["identity"].push_back(Json::array({name, value}));
     if (auto written = writeWholeFile(planFile, json.dump(1) + "\n"); !written) return tl::unexpected(written.error());
   }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "c3de/core/csv.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/text.h"
 #include "c3de/study/outcome.h"
 
@@ -106,7 +107,7 @@ std::string tableOf(const Study &study, const Plan &plan, const Outcome &outcome
 std::string jsonOf(const Study &study, const Plan &plan, const Program &program, const Outcome &outcome) {
   Json json{{"format", 1},
             {"title", study.title},
-            {"study", study.source.generic_string()},
+            {"study", genericPathText(study.source)},
             {"date", outcome.date},
             {"machine", {{"host", outcome.host}, {"cpu", outcome.cpu}, {"processors", outcome.processors}}},
             {"program", {{"version", program.version}, {"build", program.build}}},
@@ -118,7 +119,7 @@ std::string jsonOf(const Study &study, const Plan &plan, const Program &program,
   for (std::size_t c = 0; c < study.cases.size(); ++c) {
     const CaseOutcome &of = outcome.cases[c];
     Json one{{"name", study.cases[c].name},
-             {"scene", study.cases[c].scene.generic_string()},
+             {"scene", genericPathText(study.cases[c].scene)},
              {"quantity", study.cases[c].quantity.shown()},
              {"unit", study.cases[c].quantity.unit()},
              {"error_unit", study.cases[c].quantity.kind == Quantity::Kind::surface ? "mm" : "1"},

@@ -14,6 +14,7 @@
 
 #include "c3de/core/crash_journal.h"
 #include "c3de/core/environment_faults.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
@@ -49,9 +50,9 @@ struct Done {
 };
 
 Trial trialOf(const Options &options, const std::string &file, const std::filesystem::path &folder) {
-  Trial trial{std::filesystem::absolute(pathFromText(file)), {}, options.seed, folder};
+  Trial trial{absolutePath(pathFromText(file)), {}, options.seed, folder};
   for (const std::string &companion : options.companions)
-    trial.companions.push_back(std::filesystem::absolute(pathFromText(companion)));
+    trial.companions.push_back(absolutePath(pathFromText(companion)));
   return trial;
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "c3de/core/embedding.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/path_text.h"
 #include "commands/commands.h"
 #include "commands/exit_code.h"
@@ -13,7 +14,7 @@ namespace {
 
 int printPythonPath() {
   const std::filesystem::path folder =
-      (modulePath().parent_path() / ".." / "lib" / "python3" / "dist-packages").lexically_normal();
+      normalPath(modulePath().parent_path() / ".." / "lib" / "python3" / "dist-packages");
   std::error_code code;
   if (!std::filesystem::exists(folder / "c3de" / "__init__.py", code))
     return reportError({ErrorCode::input, pathText(folder / "c3de") +

@@ -7,6 +7,7 @@
 #include <map>
 #include <variant>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/session/problem_report.h"
@@ -77,7 +78,7 @@ Described describeReport(const SessionFile &session, const std::filesystem::path
 
 Expected<std::string> describeFiles(const SessionFile &saved, const std::filesystem::path &file,
                                     const std::vector<std::filesystem::path> &search, Json &json) {
-  auto found = findFiles(saved, std::filesystem::absolute(file).parent_path());
+  auto found = findFiles(saved, absolutePath(file).parent_path());
   if (!found) return tl::unexpected(found.error());
   std::vector<std::string> unread;
   for (const std::filesystem::path &folder : search)
@@ -90,7 +91,7 @@ Expected<std::string> describeFiles(const SessionFile &saved, const std::filesys
                         : one.state == FoundFile::State::same    ? "same"
                         : one.state == FoundFile::State::changed ? "changed"
                                                                  : "missing";
-    const std::string place = one.at.empty() ? std::string() : pathText(one.at.lexically_normal());
+    const std::string place = one.at.empty() ? std::string() : pathText(normalPath(one.at));
     const bool isElsewhere = !search.empty() && !place.empty();
     text += fmt::format("  {}: {}{}\n", displayText(one.file.path), state, isElsewhere ? ", at " + place : "");
     list.push_back(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/run_exports.h"
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/session/export_image.h"
@@ -23,7 +24,7 @@ Expected<void> writeSession(const RunOptions &options, Session &session, c3de_ob
     line.update(fraction, what);
     return !wasInterrupted();
   };
-  const std::filesystem::path folder = std::filesystem::absolute(options.saveSession).parent_path();
+  const std::filesystem::path folder = absolutePath(options.saveSession).parent_path();
   const Embedding embedding = options.embed ? Embedding::all : Embedding::extracted;
   FileReferences references;
   auto saved = sessionOf(*captured, folder, references, report, embedding);

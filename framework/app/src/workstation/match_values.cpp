@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 
@@ -14,7 +15,7 @@ constexpr std::pair<ui::MatchSource, const char *> kSources[] = {
 
 std::string savedPath(const std::filesystem::path &file) {
   std::error_code failed;
-  const std::string text = file.empty() ? std::string() : pathText(std::filesystem::absolute(file, failed));
+  const std::string text = file.empty() ? std::string() : pathText(absolutePath(file, failed));
   return isUtf8(text) ? text : std::string();
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "c3de/abi/log.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
@@ -20,7 +21,7 @@ constexpr const char *kWithout = "without", *kSafeMode = "safe_mode", *kLoad = "
 std::string shownPath(const std::filesystem::path &file) {
   if (file.parent_path() == plugin_host::ownPluginFolder()) return pathText(file.filename()) + ", with the program";
   const std::filesystem::path home = homeDirectory();
-  const std::filesystem::path below = home.empty() ? home : file.lexically_relative(home);
+  const std::filesystem::path below = home.empty() ? home : relativePath(file, home);
   return below.empty() || *below.begin() == ".." ? pathText(file) : "~/" + pathText(below);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "c3de/abi/log.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/log.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/thread_priority.h"
@@ -21,10 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path absolutePath(const fs::path &file) {
-  std::error_code code;
-  const fs::path absolute = fs::absolute(file, code);
-  fs::path clean = (code ? file : absolute).lexically_normal();
+fs::path listedPath(const fs::path &file) {
+  fs::path clean = normalPath(absolutePath(file));
   if (!clean.has_filename() && clean.has_relative_path()) clean = clean.parent_path();  // "scan/"
   return clean;
 }
@@ -100,7 +99,7 @@ void RecentFilesController::onRequested(const ui::OpenRequest &request) {
   for (const fs::path &one : request.files) {
     const FileKind kind = kindOf(one, &parts_.session.meshFormats());
     if (kind == FileKind::unknown || kind == FileKind::recording) continue;
-    file.files.push_back(absolutePath(one));
+    file.files.push_back(listedPath(one));
     // A scene names the entry, since it decides what the meshes opened with it become.
     if (std::exchange(isFirst, false) || kind == FileKind::scene) {
       file.kind = recentKindOf(kind, one);
@@ -117,8 +116,8 @@ void RecentFilesController::onRequested(const ui::OpenRequest &request) {
 void RecentFilesController::update() {
   const Shown now = parts_.shown();
   std::vector<fs::path> present;
-  for (const fs::path &file : now.others) present.push_back(absolutePath(file));
-  if (!now.session.empty()) present.push_back(absolutePath(now.session));
+  for (const fs::path &file : now.others) present.push_back(listedPath(file));
+  if (!now.session.empty()) present.push_back(listedPath(now.session));
   const auto isShown = [&present](const ui::RecentFile &file) {
     return std::any_of(file.files.begin(), file.files.end(), [&](const fs::path &one) {
       return std::find(present.begin(), present.end(), one) != present.end();
@@ -144,14 +143,14 @@ void RecentFilesController::update() {
     }
   }
   if (now.session.empty()) return;
-  const ui::RecentFile session{{absolutePath(now.session)}, ui::RecentKind::session, {}, 0};
+  const ui::RecentFile session{{listedPath(now.session)}, ui::RecentKind::session, {}, 0};
   if (std::none_of(shown_.begin(), shown_.end(), [&](const ui::RecentFile &one) { return one.isSameAs(session); }))
     begin(session);
 }
 
 void RecentFilesController::onSaved(const fs::path &file) {
   update();
-  const fs::path saved = absolutePath(file);
+  const fs::path saved = listedPath(file);
   for (const ui::RecentFile &one : shown_)
     if (one.files.front() == saved) storePicture(one);
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "c3de/abi/log.h"
+#include "c3de/core/file_path.h"
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
@@ -186,8 +187,8 @@ void SessionController::write(const std::filesystem::path &file, Embedding embed
       kJobOwner, "Saving " + pathText(file.filename()),
       [captured, shown, file, embedding, references = references_,
        foreign = foreign_](const ProgressFn &progress) -> Expected<void> {
-        auto session = sessionWithView(**captured, shown, std::filesystem::absolute(file).parent_path(), *references,
-                                       progress, embedding);
+        auto session =
+            sessionWithView(**captured, shown, absolutePath(file).parent_path(), *references, progress, embedding);
         if (!session) return tl::unexpected(session.error());
         keepUnknown(foreign, *session);
         return writeSession(*session, file, progress);

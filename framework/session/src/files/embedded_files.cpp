@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/embedded_files.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -257,8 +258,8 @@ bool isUsed(const fs::path &folder) {
 
 fs::path archiveOf(const fs::path &extracted) {
   std::error_code code;
-  const fs::path folder = fs::weakly_canonical(extractionFolder(), code);
-  const fs::path relative = fs::weakly_canonical(fs::absolute(extracted, code), code).lexically_relative(folder);
+  const fs::path folder = canonicalPath(extractionFolder(), code);
+  const fs::path relative = relativePath(canonicalPath(extracted, code), folder);
   if (relative.empty() || *relative.begin() == "..") return {};
   auto in = openInputFile(archiveFile(folder / *relative.begin()));
   if (!in) return {};
@@ -285,8 +286,8 @@ fs::path extractionFolder() { return userCacheDirectory() / "embedded"; }
 
 bool isExtracted(const fs::path &file) {
   std::error_code code;
-  const fs::path folder = fs::weakly_canonical(extractionFolder(), code);
-  const fs::path relative = fs::weakly_canonical(fs::absolute(file, code), code).lexically_relative(folder);
+  const fs::path folder = canonicalPath(extractionFolder(), code);
+  const fs::path relative = relativePath(canonicalPath(file, code), folder);
   return !relative.empty() && *relative.begin() != ".." && relative != ".";
 }
 
@@ -334,7 +335,7 @@ Expected<void> extractEmbedded(const fs::path &session, std::vector<FoundFile> &
     ByteProgress extracted(progress, bytes, "Extracting");
     if (auto done = Extractor(session, lacking, extracted).extract(); !done) return done;
   }
-  const std::string archive = pathText(fs::absolute(session, code).lexically_normal());
+  const std::string archive = pathText(normalPath(absolutePath(session, code)));
   for (const Group &group : *groups) {
     group.use->renew();
     // Without it, only a session that is opened again would find the files.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 
@@ -45,11 +46,6 @@ Expected<void> ByteProgress::add(std::uint64_t bytes, const std::string &name) {
   return {};
 }
 
-std::string slashed(const fs::path &path) {
-  const std::u8string text = path.generic_u8string();
-  return {text.begin(), text.end()};
-}
-
 Expected<Content> contentOf(const fs::path &path, std::uint64_t enoughBytes) {
   constexpr std::size_t kMostFiles = 100'000;  // of a folder
   Content content{path, {}, false, 0};
@@ -74,7 +70,7 @@ Expected<Content> contentOf(const fs::path &path, std::uint64_t enoughBytes) {
   }
   if (code) return unreadable();
   std::sort(content.files.begin(), content.files.end(),
-            [](const fs::path &a, const fs::path &b) { return slashed(a) < slashed(b); });
+            [](const fs::path &a, const fs::path &b) { return genericPathText(a) < genericPathText(b); });
   return content;
 }
 
@@ -101,7 +97,7 @@ Expected<std::string> hashOf(const Content &content, ByteProgress &progress) {
   for (const fs::path &file : content.files) {
     const auto one = hashOfFile(content.path / file, progress);
     if (!one) return one;
-    hash.add(lineOfFolder(*one, slashed(file)));
+    hash.add(lineOfFolder(*one, genericPathText(file)));
   }
   return hash.digits();
 }

@@ -50,9 +50,6 @@ class ByteProgress {
   std::string verb_;
 };
 
-/// UTF-8, forward slashes.
-[[nodiscard]] std::string slashed(const std::filesystem::path &path);
-
 /// A file, or the files of a folder.
 struct Content {
   std::filesystem::path path;

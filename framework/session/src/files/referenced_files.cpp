@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/path_text.h"
 #include "c3de/session/session_file.h"
 #include "files/file_hash.h"
@@ -139,11 +140,11 @@ Expected<std::string> sha256Of(const fs::path &path, const ProgressFn &progress)
 
 std::string referencePath(const fs::path &path, const fs::path &sessionFolder) {
   std::error_code code;
-  fs::path absolute = fs::weakly_canonical(fs::absolute(path, code), code);
+  fs::path absolute = canonicalPath(path, code);
   if (!absolute.has_filename()) absolute = absolute.parent_path();
-  const fs::path folder = fs::weakly_canonical(fs::absolute(sessionFolder.empty() ? "." : sessionFolder, code), code);
-  const fs::path relative = absolute.lexically_relative(folder);
-  return slashed(relative.empty() ? absolute : relative);
+  const fs::path folder = canonicalPath(sessionFolder.empty() ? "." : sessionFolder, code);
+  const fs::path relative = relativePath(absolute, folder);
+  return genericPathText(relative.empty() ? absolute : relative);
 }
 
 Expected<ReferencedFile> referenceTo(const fs::path &path, const fs::path &sessionFolder, const ProgressFn &progress) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/file_kind.h"
+#include "c3de/core/file_path.h"
 
 #include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
@@ -47,7 +48,7 @@ std::string notAFolder(const std::filesystem::path &path) {
 }
 
 std::string imageName(const std::filesystem::path &path) {
-  const std::filesystem::path clean = path.lexically_normal();
+  const std::filesystem::path clean = normalPath(path);
   return pathText(clean.has_filename() ? clean.filename() : clean.parent_path().filename());
 }
 

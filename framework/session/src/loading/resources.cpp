@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/resources.h"
+#include "c3de/core/file_path.h"
 
 #include <array>
 
@@ -19,7 +20,7 @@ Expected<std::filesystem::path> findResource(const std::filesystem::path &name) 
   const std::array folders{programFolder / ".." / "share" / "c3de", programFolder / C3DE_SOURCE_RESOURCES};
   std::string searched;
   for (const std::filesystem::path &folder : folders) {
-    const std::filesystem::path candidate = (folder / name).lexically_normal();
+    const std::filesystem::path candidate = normalPath(folder / name);
     std::error_code code;
     if (std::filesystem::exists(candidate, code)) return candidate;
     searched += (searched.empty() ? "" : ", ") + candidate.string();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/problem_report.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -157,7 +158,7 @@ Expected<void> writeProblemReport(const ProblemReport &report, const fs::path &f
     auto recording = readPast(*report.past);
     if (!recording) return tl::unexpected(recording.error());
     FileReferences references;
-    auto saved = sessionOf(captured, fs::absolute(file).parent_path(), references, progress, Embedding::all);
+    auto saved = sessionOf(captured, absolutePath(file).parent_path(), references, progress, Embedding::all);
     if (!saved) return tl::unexpected(saved.error());
     start.simulator = captured.identity;
     start.simulator.label.clear();

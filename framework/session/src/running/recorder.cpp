@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/recorder.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -206,7 +207,7 @@ Expected<RecordingStart> recordingStart(Session &session, c3de_object *simulator
   const auto captured = captureState(session, simulator, identity, std::move(source));
   if (!captured) return tl::unexpected(captured.error());
   FileReferences references;
-  auto saved = sessionOf(*captured, std::filesystem::absolute(file).parent_path(), references, progress, embedding);
+  auto saved = sessionOf(*captured, absolutePath(file).parent_path(), references, progress, embedding);
   if (!saved) return tl::unexpected(saved.error());
   start.session = std::move(*saved);
   return start;

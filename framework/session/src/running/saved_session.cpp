@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/saved_session.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -29,9 +30,7 @@ namespace fs = std::filesystem;
 constexpr const char *kMasks = "masks/", *kSelectionMask = "selection.mask";
 
 /// Two forms of one path compare equal.
-std::filesystem::path comparable(const std::filesystem::path &path) {
-  return std::filesystem::absolute(path).lexically_normal();
-}
+std::filesystem::path comparable(const std::filesystem::path &path) { return normalPath(absolutePath(path)); }
 
 /// In the order of their paths.
 void addOnce(ReferencedFile reference, SessionFile &saved) {
@@ -143,14 +142,14 @@ namespace {
 /// Makes members of a file or folder, and of what belongs to it, and gives the reference the name of its member.
 Expected<void> embedFile(const fs::path &file, const fs::path &folder, FileReferences &references,
                          const ProgressFn &progress, ReferencedFile &reference, SessionFile &saved) {
-  reference.path = slashed(comparable(file));
+  reference.path = genericPathText(comparable(file));
   reference.path = embeddedName(reference);
   reference.isEmbedded = true;
   std::error_code code;
   if (fs::is_directory(file, code)) {
     const auto content = contentOf(file);
     if (!content) return tl::unexpected(content.error());
-    for (const fs::path &one : content->files) saved.embedded[reference.path + "/" + slashed(one)] = file / one;
+    for (const fs::path &one : content->files) saved.embedded[reference.path + "/" + genericPathText(one)] = file / one;
     return {};
   }
   const auto others = filesBelongingTo(file, progress);
@@ -158,13 +157,13 @@ Expected<void> embedFile(const fs::path &file, const fs::path &folder, FileRefer
   std::vector<std::pair<ReferencedFile, fs::path>> belonging;
   std::set<std::string> lines;
   for (const fs::path &other : *others) {
-    const fs::path relative = comparable(other).lexically_relative(comparable(file).parent_path());
+    const fs::path relative = relativePath(comparable(other), comparable(file).parent_path());
     if (relative.empty() || *relative.begin() == "..")
       return fail(ErrorCode::input, fmt::format("{}: needs {}, which cannot be embedded; accepted: files beside it",
                                                 pathText(file), pathText(other)));
     auto one = references.of(other, folder, progress);
     if (!one) return tl::unexpected(one.error());
-    one->path = slashed(relative);
+    one->path = genericPathText(relative);
     one->isEmbedded = true;
     lines.insert(lineOfFolder(one->sha256, one->path));
     belonging.emplace_back(std::move(*one), other);
@@ -257,7 +256,7 @@ namespace {
 /// The mask of a body whose volume file is a member of the session.
 Expected<void> restoreMask(const SessionFile &saved, const std::filesystem::path &file, scene::SceneVolume &volume) {
   if (volume.file.empty()) return {};
-  const std::string name = referencePath(volume.file, std::filesystem::absolute(file).parent_path());
+  const std::string name = referencePath(volume.file, absolutePath(file).parent_path());
   const auto member = name.starts_with(kMasks) ? saved.members.find(name) : saved.members.end();
   if (member == saved.members.end()) return {};
   auto picked = maskOfBytes(member->second);
@@ -381,7 +380,7 @@ void nameArchives(const std::filesystem::path &folder, SessionFile &saved) {
 
 Expected<std::vector<FoundFile>> locateFiles(const SessionFile &saved, const std::filesystem::path &file,
                                              const ProgressFn &progress, const FileSearch &search) {
-  auto found = findFiles(saved, std::filesystem::absolute(file).parent_path(), progress);
+  auto found = findFiles(saved, absolutePath(file).parent_path(), progress);
   if (!found) return found;
   for (FoundFile &one : *found)
     if (const auto given = search.instead.find(one.file.path); given != search.instead.end()) {
@@ -421,7 +420,7 @@ Expected<SimulationSource> sourceOfSession(const SessionFile &saved, const std::
                                            const std::vector<FoundFile> &files,
                                            const scene::MaterialLibrary *materials) {
   if (saved.scenes.empty()) return fail(ErrorCode::input, pathText(file) + ": the session has no scene");
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  const std::filesystem::path folder = absolutePath(file).parent_path();
   SimulationSource source;
   auto change = saved.changes.begin();
   for (std::size_t i = 0; i < saved.scenes.size(); ++i) {

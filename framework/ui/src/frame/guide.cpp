@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/platform.h"
 
 namespace c3de::ui {
@@ -16,7 +17,7 @@ std::filesystem::path findGuide(const std::filesystem::path &programFolder) {
                               programFolder / ".." / ".." / ".." / "docs" / "user" / "index.md"};
   for (const std::filesystem::path &candidate : candidates) {
     std::error_code code;
-    if (std::filesystem::is_regular_file(candidate, code)) return candidate.lexically_normal();
+    if (std::filesystem::is_regular_file(candidate, code)) return normalPath(candidate);
   }
   return {};
 }

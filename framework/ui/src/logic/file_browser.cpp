@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/file_browser.h"
+#include "c3de/core/file_path.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -46,7 +47,7 @@ bool FileBrowser::accepts(const fs::path &file) const {
 
 Expected<void> FileBrowser::open(const fs::path &folder) {
   std::error_code error;
-  const fs::path shown = fs::weakly_canonical(folder, error);
+  const fs::path shown = canonicalPath(folder, error);
   if (error || !fs::is_directory(shown, error)) return fail(ErrorCode::input, pathText(folder) + ": not a folder");
   fs::directory_iterator it(shown, error);
   if (error) return fail(ErrorCode::input, pathText(shown) + ": cannot be read: " + error.message());
@@ -79,8 +80,7 @@ fs::path FileBrowser::pathOf(const std::string &typed) const {
   fs::path path = pathFromText(typed);
   if (typed == "~" || typed.starts_with("~/"))
     path = homeDirectory() / pathFromText(typed.substr(std::min<std::size_t>(2, typed.size())));
-  if (path.is_relative()) path = folder_ / path;
-  return path;
+  return isAbsolutePath(path) ? path : joinedPath(folder_, path);
 }
 
 Error FileBrowser::notAccepted(const std::string &typed) const {
@@ -92,7 +92,7 @@ Error FileBrowser::notAccepted(const std::string &typed) const {
 Expected<FileBrowser::Choice> FileBrowser::resolve(const std::string &typed) const {
   if (typed.empty()) return fail(ErrorCode::usage, "no file is chosen");
   std::error_code error;
-  const fs::path path = fs::weakly_canonical(pathOf(typed), error);
+  const fs::path path = canonicalPath(pathOf(typed), error);
   if (error || !fs::exists(path, error)) return fail(ErrorCode::input, typed + ": there is no such file or folder");
   if (fs::is_directory(path, error)) return Choice{true, path};
   if (!accepts(path)) return tl::unexpected(notAccepted(typed));
@@ -102,7 +102,7 @@ Expected<FileBrowser::Choice> FileBrowser::resolve(const std::string &typed) con
 Expected<FileBrowser::Choice> FileBrowser::resolveNew(const std::string &typed) const {
   if (typed.empty()) return fail(ErrorCode::usage, "no file name");
   std::error_code error;
-  fs::path path = fs::weakly_canonical(pathOf(typed), error);
+  fs::path path = canonicalPath(pathOf(typed), error);
   if (!error && fs::is_directory(path, error)) return Choice{true, path};
   if (!path.has_extension() && !extensions_.empty()) path += "." + extensions_.front();
   if (!accepts(path)) return tl::unexpected(notAccepted(typed));

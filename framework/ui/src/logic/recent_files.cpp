@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/recent_files.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -64,7 +65,7 @@ std::optional<RecentFile> entryOf(const Json &json) {
   for (const Json &path : json["files"]) {
     if (!path.is_string()) return {};
     file.files.push_back(pathFromText(path.get<std::string>()));
-    if (!file.files.back().is_absolute()) return {};
+    if (!isAbsolutePath(file.files.back())) return {};
   }
   if (file.files.empty() || file.files.size() > kMaxFiles) return {};
   const auto textOf = [&](const char *key) {

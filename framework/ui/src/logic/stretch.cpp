@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/stretch.h"
+#include "c3de/core/file_path.h"
 
 #include <fmt/format.h>
 
@@ -88,7 +89,7 @@ std::string problemOf(const StretchExport &wanted, double duration_s) {
   if (wanted.name.find_first_of("/\\:*?\"<>|") != std::string::npos)
     return "Name '" + wanted.name + "': accepted: a name without / \\ : * ? \" < > |";
   std::error_code ignored;
-  if (!wanted.folder.is_absolute() || !fs::is_directory(wanted.folder, ignored))
+  if (!isAbsolutePath(wanted.folder) || !fs::is_directory(wanted.folder, ignored))
     return "Folder '" + pathText(wanted.folder) + "': accepted: the full path of a folder that exists";
   return {};
 }
@@ -122,7 +123,7 @@ fs::path findProgram(const std::string &name, const std::string &folders) {
     const fs::path folder = pathFromText(folders.substr(from, to - from));
     from = to + 1;
     // A relative folder would depend on where the program was started.
-    if (!folder.is_absolute()) continue;
+    if (!isAbsolutePath(folder)) continue;
     std::error_code ignored;
     const fs::file_status status = fs::status(folder / file, ignored);
     constexpr fs::perms kRuns = fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec;

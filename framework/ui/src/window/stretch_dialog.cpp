@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "c3de/core/file_path.h"
 #include "c3de/core/path_text.h"
 #include "c3de/registry/number_text.h"
 #include "c3de/ui/file_browser.h"
@@ -165,7 +166,7 @@ void proposePlace(const ReplayView &replay, StretchDialog &dialog) {
   if (dialog.recording == recording) return;
   dialog.recording = recording;
   std::error_code ignored;
-  const std::filesystem::path folder = std::filesystem::absolute(replay.folder, ignored);
+  const std::filesystem::path folder = absolutePath(replay.folder, ignored);
   registry::copyText(dialog.folder.data(), dialog.folder.size(), pathText(folder));
   registry::copyText(dialog.name.data(), dialog.name.size(),
                      fileNamePart(pathText(pathFromText(replay.file).stem()) + "-stretch"));
