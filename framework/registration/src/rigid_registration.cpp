@@ -461,8 +461,9 @@ Expected<RigidRegistration> registerRigid(const geometry::TriangleMesh &body, co
                                           const RegistrationOptions &options, ThreadPool *pool,
                                           const ProgressFn &progress) {
   if (progress && !progress(0.0, "preparing the surface")) return cancelled();
-  const auto target = TargetSurface::of(body, pool);
+  auto target = TargetSurface::of(body);
   if (!target) return tl::unexpected(target.error());
+  target->fillGrid(pool);
   auto input = checkInput(*target, measured, options);
   if (!input) return tl::unexpected(input.error());
   return Registration(*target, *input, options, pool, progress).run(measured.points_mm);
@@ -472,7 +473,7 @@ Expected<Residuals> residualsOf(const geometry::TriangleMesh &body, const std::v
                                 const Mat4 &measuredFromBody, double limit_mm, ThreadPool *pool) {
   if (points_mm.empty()) return fail(ErrorCode::usage, "no measured points; accepted: one at least");
   if (auto good = checkFinite(points_mm, "measured point"); !good) return tl::unexpected(good.error());
-  const auto target = TargetSurface::of(body, pool);
+  const auto target = TargetSurface::of(body);
   if (!target) return tl::unexpected(target.error());
   if (points_mm.size() >= kFewestSurfacePoints)
     if (auto good = checkExtent(medianExtent(points_mm), *target); !good) return tl::unexpected(good.error());

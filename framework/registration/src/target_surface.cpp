@@ -25,7 +25,7 @@ void inParallel(ThreadPool *pool, std::size_t n, std::size_t grain,
     body(0, n);
 }
 
-Expected<TargetSurface> TargetSurface::of(const geometry::TriangleMesh &mesh, ThreadPool *pool) {
+Expected<TargetSurface> TargetSurface::of(const geometry::TriangleMesh &mesh) {
   auto tree = collision::AabbTree::build(mesh.vertices, mesh.triangles);
   if (!tree) return tl::unexpected(tree.error());
   TargetSurface out(std::move(*tree));
@@ -43,7 +43,6 @@ Expected<TargetSurface> TargetSurface::of(const geometry::TriangleMesh &mesh, Th
     out.origin_[a] = box.min[a] - out.reach_mm_;
     out.cells_[a] = static_cast<std::size_t>(std::ceil((box.max[a] + out.reach_mm_ - out.origin_[a]) / out.cell_mm_));
   }
-  out.fillGrid(pool);
   return out;
 }
 
@@ -71,6 +70,7 @@ Foot TargetSurface::closest(const Vec3 &p, double within_mm) const {
 }
 
 Foot TargetSurface::near(const Vec3 &p) const {
+  if (nearest_.empty()) return {};
   std::size_t at = 0;
   for (std::size_t a = 3; a-- > 0;) {
     const double x = (p[a] - origin_[a]) / cell_mm_;

@@ -29,10 +29,12 @@ struct Foot {
 class TargetSurface {
  public:
   /// Errors (usage): no area, or what AabbTree::build() refuses.
-  [[nodiscard]] static Expected<TargetSurface> of(const geometry::TriangleMesh &mesh, ThreadPool *pool);
+  [[nodiscard]] static Expected<TargetSurface> of(const geometry::TriangleMesh &mesh);
+  /// Builds the lookup grid of near().
+  void fillGrid(ThreadPool *pool);
 
   [[nodiscard]] Foot closest(const Vec3 &p, double within_mm) const;
-  /// The plane through a sample near the closest one; not found beyond reach_mm().
+  /// The plane through a sample near the closest one; not found beyond reach_mm(), or before fillGrid().
   [[nodiscard]] Foot near(const Vec3 &p) const;
   [[nodiscard]] const SurfaceSamples &samples() const { return samples_; }
   [[nodiscard]] double reach_mm() const { return reach_mm_; }
@@ -43,7 +45,6 @@ class TargetSurface {
 
  private:
   explicit TargetSurface(collision::AabbTree tree) : tree_(std::move(tree)) {}
-  void fillGrid(ThreadPool *pool);
 
   collision::AabbTree tree_;
   SurfaceSamples samples_;

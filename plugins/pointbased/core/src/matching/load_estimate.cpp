@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace pointbased::detail {
@@ -84,7 +85,8 @@ LoadEstimate estimateLoads(const LinearMeasurements &from, const Eigen::VectorXd
     covariance.diagonal() += scales.probabilities[k] * own;
   }
   out.loads = V * mean;
-  out.covariance = V * covariance * V.transpose();
+  out.eigenvectors = V;
+  out.eigenCovariance = std::move(covariance);
   if (from.C.cols() > 0) out.motion = alone + out.motionByLoads * out.loads;
   return out;
 }

@@ -21,10 +21,15 @@ enum class LoadSize { mean, geometricMean };
 struct LoadEstimate {
   Eigen::VectorXd loads;             ///< Pa
   Eigen::VectorXd motion;            ///< [6], or empty
-  Eigen::MatrixXd covariance;        ///< of the loads, Pa²
+  Eigen::MatrixXd eigenvectors;      ///< [loads, loads], of the normal matrix
+  Eigen::MatrixXd eigenCovariance;   ///< of the loads in this basis, Pa²
   Eigen::MatrixXd motionByLoads;     ///< [6, loads]: change of the motion with the loads
   Eigen::MatrixXd motionCovariance;  ///< [6, 6], for given loads
   double variance = 0.0;             ///< Pa², of a load before the measurement, s²
+
+  [[nodiscard]] Eigen::MatrixXd covariance() const {  ///< of the loads, Pa²
+    return eigenvectors * eigenCovariance * eigenvectors.transpose();
+  }
 };
 
 /// Normal prior q ~ N(0, s² I), with s unknown between bounds and its logarithm uniform. Loads and motion are those

@@ -42,7 +42,8 @@ class LoadMatch {
   MatchTerms &terms_;
   const SurfaceMatchSettings &settings_;
   const ParallelFor &parallelFor_;
-  double size_ = 0.0;  // m, of the body
+  double size_ = 0.0;   // m, of the body
+  double reuse_ = 0.0;  // m, change of shape for which derivatives are reused
   int iterations_ = 0;
   bool hasConverged_ = false;
 };

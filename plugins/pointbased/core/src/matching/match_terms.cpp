@@ -192,33 +192,38 @@ void MatchTerms::linearise(double scale, LinearMeasurements &out) const {
   }
 }
 
-std::vector<Index> MatchTerms::vertices() const {
-  std::vector<Index> out;
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    if (weights_[i] > 0.0)
-      out.insert(out.end(), rest_.skin[closest_[i].triangle].begin(), rest_.skin[closest_[i].triangle].end());
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
-  return out;
-}
-
-void MatchTerms::observe(std::span<const Index> vertices, const Eigen::Ref<const Eigen::MatrixXd> &displacements,
-                         Eigen::Ref<Eigen::VectorXd> out) const {
-  out.setZero();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    if (!(weights_[i] > 0.0)) continue;
-    const ClosestSkinPoint &at = closest_[i];
-    Vec3 moved = Vec3::Zero();
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const auto k =
-          std::lower_bound(vertices.begin(), vertices.end(), rest_.skin[at.triangle][corner]) - vertices.begin();
-      moved += at.weights[static_cast<Eigen::Index>(corner)] * displacements.row(k).transpose();
+Eigen::MatrixXd MatchTerms::observe(const ResponseMatrix &displacements, std::size_t responses, const Mat3 &rotation,
+                                    const ParallelFor &parallelFor) const {
+  constexpr std::size_t kGrain = 8;
+  const auto n = static_cast<Eigen::Index>(responses);
+  const Eigen::Index third = displacements.cols() / 3;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows(), n);
+  const auto add = [&](const Interpolation &binding, std::size_t at, double weight, Eigen::RowVectorXf &moved) {
+    for (Index e = binding.phyxels.offsets[at]; e < binding.phyxels.offsets[at + 1]; ++e)
+      moved += static_cast<float>(weight * binding.weights[e]) * displacements.row(binding.phyxels.indices[e]);
+  };
+  parallelFor(count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    Eigen::RowVectorXf moved(displacements.cols());
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!(weights_[i] > 0.0)) continue;
+      moved.setZero();
+      if (i < points_.size()) {
+        const ClosestSkinPoint &at = closest_[i];
+        for (std::size_t corner = 0; corner < 3; ++corner)
+          add(binding_, rest_.skin[at.triangle][corner], at.weights[static_cast<Eigen::Index>(corner)], moved);
+        const Vec3 normal = rotation.transpose() * at.normal;
+        for (Eigen::Index c = 0; c < 3; ++c)
+          out.row(static_cast<Eigen::Index>(i)) += normal[c] * moved.segment(c * third, n).cast<double>();
+        continue;
+      }
+      const std::size_t l = i - points_.size();
+      add(bound_, l, 1.0, moved);
+      for (Eigen::Index c = 0; c < 3; ++c)
+        out.middleRows<3>(static_cast<Eigen::Index>(points_.size() + 3 * l)) +=
+            rotation.col(c) * moved.segment(c * third, n).cast<double>();
     }
-    out[static_cast<Eigen::Index>(i)] = at.normal.dot(moved);
-  }
-  for (std::size_t l = 0; l < landmarks_.size(); ++l)
-    out.segment<3>(static_cast<Eigen::Index>(points_.size() + 3 * l)) =
-        displacements.row(static_cast<Eigen::Index>(vertices.size() + l)).transpose();
+  });
+  return out;
 }
 
 }  // namespace pointbased::detail

@@ -7,6 +7,7 @@
 #include "matching/load_estimate.h"
 #include "matching/match_springs.h"
 #include "matching/skin_distance.h"
+#include "matching/warped_response.h"
 #include "pointbased/surface_match.h"
 
 namespace pointbased::detail {
@@ -39,16 +40,15 @@ class MatchTerms {
   /// Distances of points across the surface, and three components per landmark: residuals as `d`, weights and C.
   /// @param scale  of the noise
   void linearise(double scale, LinearMeasurements &out) const;
-  /// Skin vertices of the triangles of all closest points, ascending.
-  [[nodiscard]] std::vector<Index> vertices() const;
-  /// Change of the rows of linearise() by displacements, m, of these vertices and then of the landmarks.
-  void observe(std::span<const Index> vertices, const Eigen::Ref<const Eigen::MatrixXd> &displacements,
-               Eigen::Ref<Eigen::VectorXd> out) const;
+  /// Derivatives of the measurements with respect to amplitudes: rows as in linearise(), one column per response. Rows
+  /// without a weight are zero.
+  /// @param displacements  of the phyxels, by amplitude
+  /// @param rotation       by which these are rotated
+  [[nodiscard]] Eigen::MatrixXd observe(const ResponseMatrix &displacements, std::size_t responses,
+                                        const Mat3 &rotation, const ParallelFor &parallelFor) const;
   [[nodiscard]] Eigen::Index rows() const {  ///< of linearise()
     return static_cast<Eigen::Index>(points_.size() + 3 * landmarks_.size());
   }
-  [[nodiscard]] const Interpolation &skinBinding() const { return binding_; }
-  [[nodiscard]] const Interpolation &landmarkBinding() const { return bound_; }
   [[nodiscard]] std::span<const ClosestSkinPoint> closest() const { return closest_; }
   [[nodiscard]] std::span<const double> weights() const { return weights_; }  ///< [points, landmarks]
   [[nodiscard]] double distanceOf(std::size_t i) const;                       ///< m; infinite: no part faces it

@@ -4,8 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace pointbased::detail {
+namespace {
+
+constexpr std::size_t kGroup = 64;  // triangles
+
+}  // namespace
 
 Vec3 closestOfTriangle(const Vec3 &x, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
   const Vec3 ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;
@@ -35,18 +41,53 @@ Vec3 closestOfTriangle(const Vec3 &x, const Vec3 &a, const Vec3 &b, const Vec3 &
   return {va / sum, vb / sum, vc / sum};
 }
 
+// Halves the triangles by their centres along the longest side of the box of these, down to groups.
+void SkinDistance::group() {
+  order_.resize(triangles_.size());
+  std::iota(order_.begin(), order_.end(), Index{0});
+  const std::size_t count = (order_.size() + kGroup - 1) / kGroup;
+  groups_.resize(count);
+  const auto halve = [&](const auto &self, std::size_t first, std::size_t last) -> void {
+    if (last - first < 2) return;
+    const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first * kGroup),
+               end = order_.begin() + static_cast<std::ptrdiff_t>(std::min(last * kGroup, order_.size()));
+    Vec3 low = balls_[*begin].centre, high = low;
+    for (auto t = begin; t != end; ++t) {
+      low = low.cwiseMin(balls_[*t].centre);
+      high = high.cwiseMax(balls_[*t].centre);
+    }
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    const std::size_t middle = (first + last) / 2;
+    std::nth_element(begin, order_.begin() + static_cast<std::ptrdiff_t>(middle * kGroup), end,
+                     [&](Index a, Index b) { return balls_[a].centre[axis] < balls_[b].centre[axis]; });
+    self(self, first, middle);
+    self(self, middle, last);
+  };
+  halve(halve, 0, count);
+}
+
 void SkinDistance::move(std::span<const Vec3> positions) {
   positions_ = positions;
   const std::size_t n = triangles_.size();
-  centres_.resize(n);
+  balls_.resize(n);
   normals_.resize(n);
-  radii_.resize(n);
   for (std::size_t t = 0; t < n; ++t) {
     const Vec3 &a = positions[triangles_[t][0]], &b = positions[triangles_[t][1]], &c = positions[triangles_[t][2]];
-    centres_[t] = (a + b + c) / 3.0;
-    radii_[t] = std::sqrt(
-        std::max({(a - centres_[t]).squaredNorm(), (b - centres_[t]).squaredNorm(), (c - centres_[t]).squaredNorm()}));
+    const Vec3 centre = (a + b + c) / 3.0;
+    balls_[t] = {
+        centre,
+        std::sqrt(std::max({(a - centre).squaredNorm(), (b - centre).squaredNorm(), (c - centre).squaredNorm()}))};
     normals_[t] = (b - a).cross(c - a).normalized();
+  }
+  if (groups_.empty()) group();
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const std::span<const Index> own = std::span(order_).subspan(g * kGroup, std::min(kGroup, n - g * kGroup));
+    Ball ball{Vec3::Zero(), 0.0};
+    for (const Index t : own) ball.centre += balls_[t].centre / static_cast<double>(own.size());
+    for (const Index t : own)
+      ball.radius = std::max(ball.radius, (balls_[t].centre - ball.centre).norm() + balls_[t].radius);
+    groups_[g] = ball;
   }
 }
 
@@ -54,26 +95,28 @@ ClosestSkinPoint SkinDistance::closest(const Vec3 &x, const Vec3 &normal, double
   ClosestSkinPoint out;
   double best = std::numeric_limits<double>::infinity();
   const bool isOriented = !normal.isZero(0.0);
-  const auto visit = [&](std::size_t t) {
+  const auto isNear = [&](const Ball &ball) {
+    // Rounding must not exclude a triangle at the same distance.
+    const double reach = (best + ball.radius) * (1.0 + 1e-12);
+    return (x - ball.centre).squaredNorm() <= reach * reach;
+  };
+  const auto visit = [&](Index t) {
+    if (!isNear(balls_[t]) || (isOriented && !(normals_[t].dot(normal) >= cosine))) return;
     const auto &corners = triangles_[t];
     const Vec3 &a = positions_[corners[0]], &b = positions_[corners[1]], &c = positions_[corners[2]];
     const Vec3 weights = closestOfTriangle(x, a, b, c);
     const Vec3 at = weights[0] * a + weights[1] * b + weights[2] * c;
     const double distance = (x - at).norm();
-    if (!(distance < best)) return;
+    // Of several at the same distance the first one, independent of the guess and of the groups.
+    if (distance > best || (distance == best && t >= out.triangle)) return;
     best = distance;
-    out = {static_cast<Index>(t), weights, at, normals_[t]};
+    out = {t, weights, at, normals_[t]};
   };
-  const auto faces = [&](std::size_t t) { return !isOriented || normals_[t].dot(normal) >= cosine; };
-  // The result must not depend on the guess, so it only bounds the distance.
-  if (guess < triangles_.size() && faces(guess)) {
-    visit(guess);
-    best = std::nextafter(best, std::numeric_limits<double>::infinity());
-  }
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const double reach = best + radii_[t];
-    if ((x - centres_[t]).squaredNorm() >= reach * reach || !faces(t)) continue;
-    visit(t);
+  if (guess < triangles_.size()) visit(guess);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!isNear(groups_[g])) continue;
+    const std::size_t last = std::min((g + 1) * kGroup, order_.size());
+    for (std::size_t k = g * kGroup; k < last; ++k) visit(order_[k]);
   }
   return out;
 }

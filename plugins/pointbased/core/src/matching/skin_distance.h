@@ -21,7 +21,7 @@ struct ClosestSkinPoint {
 /// @source  Ericson, Real-Time Collision Detection, 2005, ch. 5.1.5 (regions of a triangle)
 [[nodiscard]] Vec3 closestOfTriangle(const Vec3 &x, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
-/// Triangles of a skin with their bounding balls; each query visits all of them, those that are too far cheaply.
+/// Triangles of a skin in two levels of bounding spheres: groups of neighbours, and the triangles themselves.
 class SkinDistance {
  public:
   /// @param triangles  must outlive the object
@@ -36,8 +36,16 @@ class SkinDistance {
  private:
   std::span<const std::array<Index, 3>> triangles_;
   std::span<const Vec3> positions_;
-  std::vector<Vec3> centres_, normals_;
-  std::vector<double> radii_;
+  struct Ball {
+    Vec3 centre;
+    double radius;
+  };
+  void group();
+
+  std::vector<Index> order_;  // triangles; consecutive ones are a group
+  std::vector<Ball> groups_;
+  std::vector<Ball> balls_;  // [triangles]
+  std::vector<Vec3> normals_;
 };
 
 }  // namespace pointbased::detail

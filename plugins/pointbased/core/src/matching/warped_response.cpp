@@ -3,13 +3,16 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 
+#include "matching/factor_kernel.h"
 #include "pointbased/engine.h"
 
 namespace pointbased::detail {
 namespace {
 
+constexpr std::size_t kGrain = 64;
 constexpr double kHeld = 1e3, kFree = 1e-5;  // weight of v, over that of the points around a phyxel
 
 Mat3 crossMatrix(const Vec3 &v) {
@@ -77,17 +80,8 @@ WarpedResponse::WarpedResponse(const Body &body)
   Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   matrix.setFromTriplets(triplets.begin(), triplets.end());
   solver_.compute(matrix);
-}
-
-template <class Matrix, class Gradient>
-void WarpedResponse::gather(const Gradient &gradientOf, Matrix &&out) const {
-  using Scalar = typename std::decay_t<Matrix>::Scalar;
-  const Csr &phyxels = rest_.stencils.phyxels;
-  for (std::size_t q = 0; q < rest_.pointCount(); ++q) {
-    const Mat3 A = gradientOf(q);
-    for (Index e = phyxels.offsets[q]; e < phyxels.offsets[q + 1]; ++e)
-      out.row(phyxels.indices[e]) += (A * arms_[e]).transpose().template cast<Scalar>();
-  }
+  const auto &L = solver_.matrixL().nestedExpression();
+  factor_.assign(L.valuePtr(), L.valuePtr() + L.nonZeros());
 }
 
 void WarpedResponse::deform(std::span<const Vec3> v, std::span<Vec3> u, const ParallelFor &parallelFor) {
@@ -96,19 +90,26 @@ void WarpedResponse::deform(std::span<const Vec3> v, std::span<Vec3> u, const Pa
   std::vector<Mat3> gradients(rest_.pointCount());
   deformationGradients(s, v, gradients, parallelFor);
   points_.resize(rest_.pointCount());
+  std::vector<Vec3> turnAt(rest_.pointCount());
+  parallelFor(points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t q = begin; q < end; ++q) {
+      const Mat3 H = (gradients[q] - Mat3::Identity()) * startInverse_[q];
+      turnAt[q] = turnOf(H);
+      points_[q] = {rotationBy(turnAt[q]), stretchOf(H), rightJacobian(turnAt[q])};
+    }
+  });
   std::vector<Vec3> turns(n, Vec3::Zero());
   std::vector<double> volumes(n, 0.0);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), 3);
   for (std::size_t q = 0; q < points_.size(); ++q) {
-    const Mat3 H = (gradients[q] - Mat3::Identity()) * startInverse_[q];
-    const Vec3 turn = turnOf(H);
-    points_[q] = {rotationBy(turn), stretchOf(H), rightJacobian(turn)};
-    for (const Index k : s.phyxels.row(q)) {
-      turns[k] += s.volumes[q] * turn;
+    const Mat3 A = points_[q].rotation * points_[q].stretch - Mat3::Identity();
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
+      const Index k = s.phyxels.indices[e];
+      turns[k] += s.volumes[q] * turnAt[q];
       volumes[k] += s.volumes[q];
+      right.row(k) += (A * arms_[e]).transpose();
     }
   }
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), 3);
-  gather([&](std::size_t q) { return Mat3(points_[q].rotation * points_[q].stretch - Mat3::Identity()); }, right);
   rotations_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     rotations_[i] = volumes[i] > 0.0 ? rotationBy(turns[i] / volumes[i]) : Mat3(Mat3::Identity());
@@ -118,39 +119,93 @@ void WarpedResponse::deform(std::span<const Vec3> v, std::span<Vec3> u, const Pa
   for (std::size_t i = 0; i < n; ++i) u[i] = start_[i] + x.row(static_cast<Eigen::Index>(i)).transpose();
 }
 
-void WarpedResponse::solve(Columns &b) const {
-  const auto &L = solver_.matrixL().nestedExpression();
-  Columns x = solver_.permutationP() * b;
-  for (Eigen::Index j = 0; j < x.rows(); ++j) {
-    const double *value = L.valuePtr() + L.outerIndexPtr()[j];
-    const int *row = L.innerIndexPtr() + L.outerIndexPtr()[j], *end = L.innerIndexPtr() + L.outerIndexPtr()[j + 1];
-    x.row(j) /= *value;
-    for (++row, ++value; row != end; ++row, ++value) x.row(*row) -= *value * x.row(j);
-  }
-  for (Eigen::Index j = x.rows() - 1; j >= 0; --j) {
-    const double *diagonal = L.valuePtr() + L.outerIndexPtr()[j], *value = diagonal;
-    const int *row = L.innerIndexPtr() + L.outerIndexPtr()[j], *end = L.innerIndexPtr() + L.outerIndexPtr()[j + 1];
-    for (++row, ++value; row != end; ++row, ++value) x.row(j) -= *value * x.row(*row);
-    x.row(j) /= *diagonal;
-  }
-  b = solver_.permutationPinv() * x;
+void WarpedResponse::setResponses(const ResponseMatrix &responses, const ParallelFor &parallelFor) {
+  const Eigen::Index count = responses.cols() / 3, padded = (count + kBlock - 1) / kBlock * kBlock;
+  count_ = static_cast<std::size_t>(count);
+  responses_.setZero(responses.rows(), 3 * padded);
+  for (Eigen::Index c = 0; c < 3; ++c)
+    responses_.middleCols(c * padded, count) = responses.middleCols(c * count, count);
+  gradients_.setZero(static_cast<Eigen::Index>(9 * rest_.pointCount()), padded);
+  parallelFor(static_cast<std::size_t>(count), 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3> v(rest_.phyxelCount());
+    std::vector<Mat3> gradients(rest_.pointCount());
+    for (auto p = static_cast<Eigen::Index>(begin); p < static_cast<Eigen::Index>(end); ++p) {
+      for (std::size_t i = 0; i < v.size(); ++i)
+        for (Eigen::Index c = 0; c < 3; ++c) v[i][c] = responses(static_cast<Eigen::Index>(i), c * count + p);
+      deformationGradients(rest_.stencils, v, gradients, serialFor());
+      for (std::size_t q = 0; q < gradients.size(); ++q) {
+        const Mat3 H = (gradients[q] - Mat3::Identity()) * startInverse_[q], strain = strainOf(H);
+        Eigen::Matrix<double, 9, 1> both;
+        both << turnOf(H), strain.diagonal(), strain(0, 1), strain(0, 2), strain(1, 2);
+        gradients_.block<9, 1>(static_cast<Eigen::Index>(9 * q), p) = both.cast<float>();
+      }
+    }
+  });
 }
 
-void WarpedResponse::addDerivative(std::span<const Vec3> dv, Eigen::Ref<Eigen::MatrixXf> out) const {
-  std::vector<Mat3> gradients(rest_.pointCount());
-  deformationGradients(rest_.stencils, dv, gradients, serialFor());
-  gather(
-      [&](std::size_t q) {
-        const Mat3 H = (gradients[q] - Mat3::Identity()) * startInverse_[q];
-        const Point &at = points_[q];
-        const Mat3 strain = strainOf(H);
-        // Exact where the change of the strain commutes with it.
-        return Mat3(at.rotation * (crossMatrix(at.turn * turnOf(H)) * at.stretch +
-                                   0.5 * (strain * at.stretch + at.stretch * strain)));
-      },
-      out);
-  for (std::size_t i = 0; i < dv.size(); ++i)
-    out.row(static_cast<Eigen::Index>(i)) += (holding_[i] * dv[i]).transpose().cast<float>();
+WarpedResponse::Change WarpedResponse::changeAt(const Point &point) {
+  constexpr std::array<std::array<Eigen::Index, 2>, 6> kEntries{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+  Change out;
+  const auto set = [&](Eigen::Index column, const Mat3 &A) {
+    for (Eigen::Index row = 0; row < 3; ++row)
+      for (Eigen::Index c = 0; c < 3; ++c) out(3 * row + c, column) = static_cast<float>(A(row, c));
+  };
+  for (Eigen::Index a = 0; a < 3; ++a) set(a, point.rotation * crossMatrix(point.turn.col(a)) * point.stretch);
+  for (std::size_t k = 0; k < kEntries.size(); ++k) {
+    Mat3 strain = Mat3::Zero();
+    strain(kEntries[k][0], kEntries[k][1]) = strain(kEntries[k][1], kEntries[k][0]) = 1.0;
+    // Exact where the change of the strain commutes with it.
+    set(3 + static_cast<Eigen::Index>(k), 0.5 * point.rotation * (strain * point.stretch + point.stretch * strain));
+  }
+  return out;
+}
+
+void WarpedResponse::differentiate(ResponseMatrix &out, const ParallelFor &parallelFor) const {
+  using Values = Eigen::Array<float, kBlock, 1>;
+  const Csr &phyxels = rest_.stencils.phyxels;
+  std::vector<Change> changes(points_.size());
+  parallelFor(points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t q = begin; q < end; ++q) changes[q] = changeAt(points_[q]);
+  });
+  const Eigen::Index padded = gradients_.cols();
+  out.resize(responses_.rows(), responses_.cols());
+  parallelFor(static_cast<std::size_t>(padded / kBlock), 1, [&](std::size_t begin, std::size_t end) {
+    Block right(responses_.rows(), 3 * kBlock);
+    for (std::size_t block = begin; block < end; ++block) {
+      const Eigen::Index first = kBlock * static_cast<Eigen::Index>(block);
+      for (Eigen::Index i = 0; i < right.rows(); ++i)
+        for (Eigen::Index c = 0; c < 3; ++c)
+          right.row(i).segment<kBlock>(c * kBlock) = static_cast<float>(holding_[static_cast<std::size_t>(i)]) *
+                                                     responses_.row(i).segment<kBlock>(c * padded + first);
+      for (std::size_t q = 0; q < changes.size(); ++q) {
+        std::array<Values, 9> A;
+        for (Eigen::Index row = 0; row < 9; ++row) {
+          Values sum = Values::Zero();
+          for (Eigen::Index k = 0; k < 9; ++k)
+            sum += changes[q](row, k) *
+                   gradients_.row(static_cast<Eigen::Index>(9 * q) + k).segment<kBlock>(first).transpose().array();
+          A[static_cast<std::size_t>(row)] = sum;
+        }
+        for (Index e = phyxels.offsets[q]; e < phyxels.offsets[q + 1]; ++e) {
+          const Eigen::Vector3f arm = arms_[e].cast<float>();
+          for (std::size_t c = 0; c < 3; ++c)
+            right.row(phyxels.indices[e]).segment<kBlock>(static_cast<Eigen::Index>(c) * kBlock).array() +=
+                (arm[0] * A[3 * c] + arm[1] * A[3 * c + 1] + arm[2] * A[3 * c + 2]).transpose();
+        }
+      }
+      solve(right);
+      for (Eigen::Index c = 0; c < 3; ++c)
+        out.middleCols<kBlock>(c * padded + first) = right.middleCols<kBlock>(c * kBlock);
+    }
+  });
+}
+
+void WarpedResponse::solve(Block &b) const {
+  const auto &L = solver_.matrixL().nestedExpression();
+  Block x = solver_.permutationP() * b;
+  kernels::solveFactor({static_cast<std::size_t>(x.rows()), L.outerIndexPtr(), L.innerIndexPtr(), factor_.data()},
+                       x.data());
+  b = solver_.permutationPinv() * x;
 }
 
 }  // namespace pointbased::detail

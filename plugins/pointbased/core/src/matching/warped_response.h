@@ -4,9 +4,13 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "matching/factor_kernel.h"
 #include "pointbased/body.h"
 
 namespace pointbased::detail {
+
+/// Displacements of the phyxels, one response per pattern of loads. Columns: x of all responses, then y, then z.
+using ResponseMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Shape of a body under loads that rotate with it, from its linear response v. At a point q the gradient of v has the
 /// rotation ω and the strain ε. The gradients of the shape are close to exp(ω) exp(ε):
@@ -24,13 +28,12 @@ class WarpedResponse {
   /// @param v  [phyxels] m, linear response
   /// @param u  [phyxels] m, result: displacements from rest
   void deform(std::span<const Vec3> v, std::span<Vec3> u, const ParallelFor &parallelFor);
-  /// Derivative of the displacements with respect to v, along dv, at the last shape: L^-1 b for the b that is added to
-  /// three columns of `out`, [phyxels, 3]. Thread-safe.
-  void addDerivative(std::span<const Vec3> dv, Eigen::Ref<Eigen::MatrixXf> out) const;
-  static constexpr int kTogether = 8;
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, kTogether, Eigen::RowMajor>;
-  /// L^-1 b for several b, [phyxels]; they share one pass over the factor. Thread-safe.
-  void solve(Columns &b) const;
+  /// Linear responses, [phyxels, 3 responses], along which differentiate() is called.
+  void setResponses(const ResponseMatrix &responses, const ParallelFor &parallelFor);
+  [[nodiscard]] std::size_t responseCount() const { return count_; }
+  [[nodiscard]] const ResponseMatrix &responses() const { return responses_; }
+  /// Derivatives of the displacements along each of the responses, at the last shape.
+  void differentiate(ResponseMatrix &out, const ParallelFor &parallelFor) const;
   /// [phyxels] rotation of the last shape relative to that without loads.
   [[nodiscard]] std::span<const Mat3> rotations() const { return rotations_; }
 
@@ -38,9 +41,13 @@ class WarpedResponse {
   struct Point {
     Mat3 rotation, stretch, turn;  // exp(ω), exp(ε), and J with exp(ω + dω) = exp(ω) exp(J dω)
   };
-  // Adds A_q V_q (x_k - x̄) to the rows of the phyxels k of all points.
-  template <class Matrix, class Gradient>
-  void gather(const Gradient &gradientOf, Matrix &&out) const;
+  using Change = Eigen::Matrix<float, 9, 9>;
+  static constexpr int kBlock = 16;  // responses
+  using Block = Eigen::Matrix<float, Eigen::Dynamic, 3 * kBlock, Eigen::RowMajor>;
+  static_assert(3 * kBlock == kernels::kFactorColumns);
+  // Of exp(ω) exp(ε), rows in row-major order, by the three components of ω and the six of ε.
+  [[nodiscard]] static Change changeAt(const Point &point);
+  void solve(Block &b) const;
 
   const RestState &rest_;
   std::vector<Vec3> start_;         // m, displacements without loads
@@ -48,6 +55,10 @@ class WarpedResponse {
   std::vector<Mat3> startInverse_;  // [points] inverse of the deformation gradient there
   std::vector<double> holding_;     // [phyxels] weight of v, m³
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver_;
+  std::vector<float> factor_;  // values of its L
+  ResponseMatrix responses_;   // columns are x of all responses, y, z, each filled up to whole blocks
+  std::size_t count_ = 0;      // of the responses
+  ResponseMatrix gradients_;   // [9 points, responses]: ω and ε of each
   std::vector<Point> points_;
   std::vector<Mat3> rotations_;
 };
