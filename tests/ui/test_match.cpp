@@ -87,7 +87,7 @@ fs::path fineOrgan() {
                        << organMesh().generic_string()
                        << "\"\nmesh_unit = \"mm\"\nposition = [0.028, 0.16, 0.0]\n"
                           "material = { law = \"linear\", youngs_modulus = 6e3, poisson_ratio = 0.45, density = 1060.0 "
-                          "}\nsampling = { count = 4000 }\n";
+                          "}\nsampling = { count = 9000 }\n";
   return scene;
 }
 
@@ -183,6 +183,7 @@ TEST_CASE("the organ is matched to points from the menu, undone, saved and opene
   C3DE_WAIT(again, "the panel is filled", textOf(s, "match/points").ends_with("organ_points.csv"));
   CHECK_THAT(again.value("match/landmarks"), Contains("organ_landmarks_measured.csv"));
   CHECK(again.value("match/noise") == "2 mm");
+  again.screenshotAtRest("restored");
   again.click("match/close");
   // It can be pulled on as any body.
   again.moveTo(again.inView(0.5, 0.5));
@@ -198,13 +199,21 @@ TEST_CASE("a match is cancelled, and the body stays as it was", "[match_cancel]"
   window.key("ctrl+shift+m");
   C3DE_WAIT(window, "the panel is open", s["widgets"].contains("match/points"));
   choosePoints(window, organPoints());
+  const std::string before = row(window.state(), "State hash");
+  window.screenshotAtRest("before");
   window.click("match/match");
   C3DE_WAIT(window, "it runs", s["widgets"].contains("match/cancel") && !s["jobs"].empty());
+  C3DE_WAIT(window, "points and body follow",
+            !s["jobs"].empty() && hasNode(s, "measured points") && row(s, "State hash") != before);
   window.click("match/cancel");
   waitForMessage(window, "Match cancelled: organ");
   C3DE_WAIT(window, "it can begin again", s["jobs"].empty() && s["widgets"].contains("match/match"));
   CHECK_FALSE(window.state()["values"].contains(kMatch + "Verdict"));
   CHECK_FALSE(hasNode(window.state(), "measured points"));
+  C3DE_WAIT(window, "the body has its state from before", row(s, "State hash") == before);
+  window.moveTo(window.inView(0.9, 0.9));
+  window.screenshotAtRest("cancelled");
+  CHECK(window.differingPixels("before", "cancelled") < 300);
   // Only the values of the panel have changed.
   window.key("ctrl+q");
   const Json asked = C3DE_WAIT(window, "it asks", s["values"].contains("quit/text"));

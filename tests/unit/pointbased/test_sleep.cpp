@@ -144,6 +144,17 @@ TEST_CASE("Whatever changes around a sleeping body wakes it") {
   CHECK_FALSE(world.simulator.stepper().asleep(world.id));
 }
 
+TEST_CASE("A state that is set from outside wakes a body and counts as a change") {
+  OneBodyWorld world(restful(true));
+  REQUIRE(world.fallAsleep(6.0) < 6.0);
+  Stepper &stepper = world.simulator.stepper();
+  const std::uint64_t changes = stepper.changes(world.id);
+  world.simulator.body(world.id)->state().displacements[0] += Vec3(0.0, 1e-3, 0.0);
+  stepper.wake(world.id);
+  CHECK(stepper.changes(world.id) > changes);
+  CHECK_FALSE(stepper.asleep(world.id));
+}
+
 TEST_CASE("An obstacle that begins to move wakes a body, and carries it") {
   OneBodyWorld world(restful(true));
   Obstacle lift = solidBox(Vec3(-0.2, -0.3, -0.2), Vec3(0.2, -0.001, 0.2), 0.5);

@@ -54,10 +54,11 @@ class Cube : public Simulation {
     return out;
   }
   c3de_status match(const std::vector<Vec3> &points, double noise_m, c3de_match_result &out, Json *details = nullptr,
-                    const std::vector<c3de_match_landmark> &landmarks = {}, double support_Pa_m = 1e5) {
+                    const std::vector<c3de_match_landmark> &landmarks = {}, double support_Pa_m = 1e5,
+                    std::uint32_t flags = 0, const c3de_progress *progress = nullptr) {
     c3de_match_request request{};
     request.size = sizeof request;
-    request.flags = C3DE_MATCH_MOTION_KNOWN;
+    request.flags = C3DE_MATCH_MOTION_KNOWN | flags;
     request.body = bodies[0];
     request.points_m = points.empty() ? nullptr : points.front().data();
     request.points_n = points.size();
@@ -74,7 +75,7 @@ class Cube : public Simulation {
       static_cast<std::string *>(to)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
       return C3DE_OK;
     };
-    const c3de_status status = matching->match(self, &request, nullptr, &out, {&text, put});
+    const c3de_status status = matching->match(self, &request, progress, &out, {&text, put});
     error = host_.host->takeError();
     if (details && status >= 0) *details = Json::parse(text);
     return status;
@@ -178,6 +179,86 @@ TEST_CASE("A body matched to points of its deformed surface meets them and stays
   cube.reset();
   cube.step(20);
   CHECK(rootMeanSquare(cube.sides(), sidePoints()) < 1e-6);
+}
+
+namespace {
+
+/// Observes the shape of a cube while it is matched.
+struct Observer {
+  const Cube &cube;
+  std::vector<Vec3> before;
+  double largestChange_m = 0.0;  ///< of the sides, root mean square
+  double cancelledAt_m = 1.0;    ///< change from which the match is cancelled
+  bool isSaved = false;          ///< the state is saved at a change, and its hash is read at another one
+  std::uint64_t hash = 0;
+  std::string saved;
+  std::string loaded;  ///< state that is loaded at the first change, which cancels the match
+  c3de_progress progress{sizeof progress, 0, this, &update};
+
+  static c3de_status update(void *self, double, c3de_str) {
+    auto &of = *static_cast<Observer *>(self);
+    const double change = rootMeanSquare(of.cube.sides(), of.before);
+    of.largestChange_m = std::max(of.largestChange_m, change);
+    if (change > 1e-3 && !of.loaded.empty()) {
+      of.cube.check(of.cube.sim->load_state(of.cube.self, of.loaded.data(), of.loaded.size()));
+      of.loaded.clear();
+      return C3DE_E_CANCELLED;
+    }
+    // Each of them hides the shape until the next iteration.
+    if (of.isSaved && change > 1e-3) {
+      if (of.saved.empty())
+        of.saved = of.cube.save();
+      else if (of.hash == 0)
+        of.hash = of.cube.hash();
+    }
+    return change > of.cancelledAt_m ? C3DE_E_CANCELLED : C3DE_OK;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("The iterations of a match are shown, and its state is restored", "[matching]") {
+  Host host;
+  const std::vector<Vec3> target = bentSides(host);
+  Cube control(host, "explicit"), cube(host, "explicit");
+  for (Cube *one : {&control, &cube}) one->step(5);
+  const std::uint64_t before = cube.hash();
+  REQUIRE(before == control.hash());
+  c3de_match_result result{};
+  const auto match = [&](Observer &observer, std::uint32_t flags) {
+    return cube.match(target, 2e-4, result, nullptr, {}, 1e5, flags, &observer.progress);
+  };
+  Observer hidden{cube, cube.sides()};
+  hidden.cancelledAt_m = 0.0;
+  SECTION("cancelled") {
+    Observer shown{cube, cube.sides()};
+    shown.cancelledAt_m = 1e-3;
+    CHECK(match(shown, C3DE_MATCH_SHOW) == C3DE_E_CANCELLED);
+    CHECK(shown.largestChange_m > 1e-3);
+    CHECK(cube.hash() == before);
+    for (Cube *one : {&control, &cube}) one->step(5);
+    CHECK(cube.hash() == control.hash());
+  }
+  SECTION("saved meanwhile") {
+    Observer shown{cube, cube.sides()};
+    shown.isSaved = true;
+    REQUIRE(match(shown, C3DE_MATCH_SHOW) == C3DE_OK);
+    CHECK(shown.hash == before);
+    CHECK(shown.saved == control.save());
+    CHECK(rootMeanSquare(cube.sides(), shown.before) > 1e-3);
+  }
+  SECTION("another state is loaded meanwhile") {
+    control.step(3);
+    Observer shown{cube, cube.sides()};
+    shown.loaded = control.save();
+    CHECK(match(shown, C3DE_MATCH_SHOW) == C3DE_E_CANCELLED);
+    CHECK(shown.loaded.empty());
+    CHECK(cube.hash() == control.hash());
+  }
+  SECTION("not requested") {
+    REQUIRE(match(hidden, 0) == C3DE_OK);
+    CHECK(hidden.largestChange_m == 0.0);
+  }
 }
 
 TEST_CASE("A matched state is repeated with the same bits", "[matching][changes]") {

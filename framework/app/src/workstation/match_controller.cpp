@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "c3de/abi/log.h"
@@ -58,6 +59,12 @@ struct MatchController::Attempt {
   std::uint64_t capture = 0;  ///< of the state before it
   Expected<void> read;        ///< from the simulation
   bool isMatched = false;     ///< the job has ended, and the body has its new shape
+  /// Progress of the job, for the main thread.
+  struct Progress {
+    std::atomic<bool> hasMotion = false;   ///< `targets` and `rigid` are complete
+    std::atomic<unsigned> iterations = 0;  ///< of the deformation
+  };
+  std::shared_ptr<Progress> progress = std::make_shared<Progress>();
 
   [[nodiscard]] const Mat4 &motion() const {
     return elastic.body ? elastic.body->measuredFromBody : rigid->rigid.measuredFromBody;
@@ -89,23 +96,29 @@ struct MatchController::Attempt {
   }
   /// In a background job.
   [[nodiscard]] Expected<void> match(Session &session, c3de_object *simulator, const char *owner,
-                                     const ProgressFn &progress) {
+                                     const ProgressFn &report) {
     Expected<RigidMatch> found;
     if (chosen) {
       found = withCandidate(*rigid, *chosen, skins.rest, targets, &session.pool());
     } else {
       BodySources sources;
-      auto measured = readMatchTargets(wanted, session.meshFormats(), sources, stageOf(progress, 0.0, kRead));
+      auto measured = readMatchTargets(wanted, session.meshFormats(), sources, stageOf(report, 0.0, kRead));
       if (!measured) return tl::unexpected(measured.error());
       targets = std::move(*measured);
-      found = findMotion(skins.rest, targets, landmarks, wanted, &session.pool(), stageOf(progress, kRead, kMoved));
+      found = findMotion(skins.rest, targets, landmarks, wanted, &session.pool(), stageOf(report, kRead, kMoved));
     }
     if (!found) return tl::unexpected(found.error());
     rigid = std::move(*found);
+    progress->hasMotion = true;
     if (!wanted.deforms || !(rigid->isUsable() || chosen)) return {};
-    auto deformed = deformBody(
-        simulator, wanted.body, *rigid, targets, landmarks, wanted, owner,
-        [&session] { return session.plugins().takeError(); }, stageOf(progress, kMoved, 1.0));
+    const ProgressFn counted = [this, deformed = stageOf(report, kMoved, 1.0)](double fraction,
+                                                                               const std::string &what) {
+      ++progress->iterations;
+      return deformed(fraction, what);
+    };
+    auto deformed =
+        deformBody(simulator, wanted.body, *rigid, targets, landmarks, wanted, owner,
+                   [&session] { return session.plugins().takeError(); }, counted, {.showsIterations = true});
     if (!deformed) return tl::unexpected(deformed.error());
     elastic = std::move(*deformed);
     return {};
@@ -178,12 +191,23 @@ void MatchController::onReplaced() {
 
 void MatchController::update() {
   presenter_.followTree();
+  showIterations();
   if (!panel_) return;
   if (parts_.values.assignments() != shownAssignments_) open();
   parts_.values.countChanges();
   presenter_.setArrowScale(panel_->arrowScale());
   const std::shared_ptr<ChangeLog> log = parts_.session.changes();
   if (log != shownLog_ || (log && log->count() != shownChanges_)) readBodies();
+}
+
+void MatchController::showIterations() {
+  if (!attempt_ || !attempt_->progress->hasMotion || attempt_->isMatched) return;
+  scene::Simulation *simulation = parts_.session.simulation();
+  if (!simulation || parts_.session.changes() != attempt_->log) return;
+  if (!std::exchange(showsMotion_, true))
+    showPoints(*attempt_, attempt_->skins.rest, {}, attempt_->rigid->rigid.measuredFromBody);
+  if (const unsigned now = attempt_->progress->iterations; now != std::exchange(shownIterations_, now))
+    simulation->post([] {});  // any command publishes a snapshot
 }
 
 void MatchController::readBodies() {
@@ -265,6 +289,9 @@ void MatchController::start(const SharedAttempt &attempt) {
   const std::string reason = simulation ? parts_.blockingReason() : std::string("there is no simulation");
   if (!reason.empty()) return parts_.failed(kFailed, {ErrorCode::state, reason});
   attempt_ = attempt;
+  attempt->progress = std::make_shared<Attempt::Progress>();
+  showsMotion_ = false;
+  shownIterations_ = 0;
   attempt->log = parts_.session.changes();
   attempt->scene = presentScene();
   if (simulation->state().mode == C3DE_SIM_PLAYING) simulation->transport(C3DE_TRANSPORT_PAUSE);
@@ -343,6 +370,14 @@ void MatchController::onMeasured(const SharedAttempt &attempt) {
 void MatchController::end(const SharedAttempt &attempt, const Error &error) {
   attempt_.reset();
   job_ = {};
+  if (showsMotion_) {
+    if (result_)
+      show(texts_.shownCandidate);
+    else
+      presenter_.forget();
+  }
+  // The last snapshot may have the shape of an iteration.
+  if (scene::Simulation *simulation = parts_.session.simulation()) simulation->post([] {});
   if (error.code == ErrorCode::cancelled)
     parts_.panels.notify(C3DE_LOG_INFO, "Match cancelled: " + attempt->wanted.body, "The body stays as it was.", {},
                          registry::About::simulation);
@@ -364,7 +399,14 @@ void MatchController::show(std::size_t candidate) {
   const bool isResult = candidate == of.chosen.value_or(0) || candidate >= candidates.size();
   const ElasticMatch elastic = isResult ? of.elastic : ElasticMatch();
   const Mat4 motion = isResult ? of.motion() : candidates[candidate].measuredFromBody;
-  auto points = matchedPoints(elastic.body ? of.skins.present : of.skins.rest, of.targets, *of.rigid, elastic, motion);
+  texts_.shownCandidate = candidate;
+  showPoints(of, elastic.body ? of.skins.present : of.skins.rest, elastic, motion);
+  if (elastic.body) presenter_.addErrors({of.skins.present, elastic.body->skinErrors_mm});
+}
+
+void MatchController::showPoints(const Attempt &of, const geometry::TriangleMesh &skin, const ElasticMatch &elastic,
+                                 const Mat4 &motion) {
+  auto points = matchedPoints(skin, of.targets, *of.rigid, elastic, motion);
   if (!points) return parts_.failed("The measured points are not shown", points.error());
   const Mat4 bodyFromMeasured = geometry::rigidInverse(motion);
   std::vector<ShownLandmark> landmarks;
@@ -374,9 +416,7 @@ void MatchController::show(std::size_t candidate) {
     landmarks.push_back({isMoved ? transformPoint(bodyFromMeasured, elastic.landmarks_mm[i]) : one.reference_mm,
                          transformPoint(bodyFromMeasured, one.target_mm)});
   }
-  texts_.shownCandidate = candidate;
   presenter_.show(std::move(*points), landmarks, of.wanted.noise_mm, parts_.session.simulationNode());
-  if (elastic.body) presenter_.addErrors({of.skins.present, elastic.body->skinErrors_mm});
 }
 
 void MatchController::exportResiduals(const std::filesystem::path &file) {

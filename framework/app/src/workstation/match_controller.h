@@ -73,6 +73,10 @@ class MatchController {
   void end(const SharedAttempt &attempt, const Error &error);
   void cancel();
   void show(std::size_t candidate);
+  /// Shows the points at the rigid motion of the running match, and the shapes of its iterations.
+  void showIterations();
+  void showPoints(const Attempt &of, const geometry::TriangleMesh &skin, const ElasticMatch &elastic,
+                  const Mat4 &motion);
   void forgetResult();
   void exportResiduals(const std::filesystem::path &file);
   /// The function, with no effect after the end of this object. For the main thread.
@@ -86,10 +90,12 @@ class MatchController {
   Parts parts_;
   std::optional<ui::MatchPanel> panel_;
   MatchPresenter presenter_;
-  SharedAttempt attempt_;  ///< that is running; null: none
-  Handle job_;             ///< of it; null: its data are being read from the simulation
-  SharedAttempt result_;   ///< the last one that has ended; null: none
-  ui::MatchTexts texts_;   ///< of the result
+  SharedAttempt attempt_;         ///< that is running; null: none
+  Handle job_;                    ///< of it; null: its data are being read from the simulation
+  bool showsMotion_ = false;      ///< the presenter shows the points of the running match
+  unsigned shownIterations_ = 0;  ///< of it
+  SharedAttempt result_;          ///< the last one that has ended; null: none
+  ui::MatchTexts texts_;          ///< of the result
   std::vector<std::string> bodies_;
   std::shared_ptr<ChangeLog> shownLog_;  ///< of these bodies
   std::uint64_t shownChanges_ = 0;

@@ -153,8 +153,8 @@ Expected<BodyMatch> matchBody(c3de_object *simulator, const std::string &body,
   request.landmarks = landmarks.data();
   request.landmarks_n = landmarks.size();
   request.landmarks_stride = sizeof(c3de_match_landmark);
-  request.flags =
-      (options.isMotionKnown ? C3DE_MATCH_MOTION_KNOWN : 0u) | (options.continuesLast ? C3DE_MATCH_CONTINUE : 0u);
+  request.flags = (options.isMotionKnown ? C3DE_MATCH_MOTION_KNOWN : 0u) |
+                  (options.continuesLast ? C3DE_MATCH_CONTINUE : 0u) | (options.showsIterations ? C3DE_MATCH_SHOW : 0u);
   request.motion = motionOf(options.measuredFromBody);
   request.noise_m = kMetresPerMillimetre * options.noise_mm;
   request.support_Pa_m = kPascalsPerMetre * options.support_kPa_mm;

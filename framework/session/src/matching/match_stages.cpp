@@ -116,7 +116,7 @@ Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &bod
                                   const MatchTargets &targets, const std::vector<Landmark> &landmarks,
                                   const scene::SceneMatch &match, const char *owner,
                                   const std::function<std::string()> &takeError, const ProgressFn &progress,
-                                  bool continuesLast) {
+                                  DeformationOptions options) {
   const auto begin = std::chrono::steady_clock::now();
   registration::MeasuredSurface measured = targets.surface;
   if (match.fitsLandmarks)
@@ -125,7 +125,8 @@ Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &bod
   BodyMatchOptions how;
   how.measuredFromBody = rigid.rigid.measuredFromBody;
   how.isMotionKnown = !match.isRigidFirst;
-  how.continuesLast = continuesLast;
+  how.continuesLast = options.continuesLast;
+  how.showsIterations = options.showsIterations;
   how.noise_mm = match.noise_mm;
   auto found = matchBody(simulator, body, measured, how, owner, takeError, progress);
   ElasticMatch out;

@@ -54,7 +54,7 @@ Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const 
   out.rigid = std::move(*rigid);
   if (wanted.deforms && out.rigid.isUsable()) {
     auto elastic = deformBody(simulator, name, out.rigid, request.targets, *landmarks, wanted,
-                              session.plugins().ownerOf(simulator), takeError, progress, continues);
+                              session.plugins().ownerOf(simulator), takeError, progress, {.continuesLast = continues});
     if (!elastic) return tl::unexpected(elastic.error());
     out.elastic = std::move(*elastic);
   }

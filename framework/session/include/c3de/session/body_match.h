@@ -23,6 +23,8 @@ struct BodyMatchOptions {
   /// kPa/mm, >= 0: stiffness of the surroundings where the body has none and no support holds it
   double support_kPa_mm = 0.1;
   bool continuesLast = false;  ///< starts from the deformation of the last match of the body, as for the next frame
+  /// Snapshots show each iteration during the match; a step ends that
+  bool showsIterations = false;
 };
 
 /// How a body deforms to meet measured points.

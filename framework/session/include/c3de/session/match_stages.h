@@ -53,17 +53,21 @@ struct BodySkins {
                                               const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
                                               ThreadPool *pool, const ProgressFn &progress);
 
+struct DeformationOptions {
+  bool continuesLast = false;    ///< from the state of the last match of this body instead of the body at rest
+  bool showsIterations = false;  ///< snapshots show each iteration during the match; a step ends that
+};
+
 /// Deforms the body at its rigid motion. Where that is not possible the rigid motion remains, with the reason in
 /// ElasticMatch::failure. Errors: cancelled. Any thread.
 /// @param body       its name in the simulator
 /// @param landmarks  with their bodies (findBodies)
 /// @param owner      plugin of the simulator
-/// @param continuesLast  from the state of the last match of this body instead of the body at rest
 [[nodiscard]] Expected<ElasticMatch> deformBody(c3de_object *simulator, const std::string &body,
                                                 const RigidMatch &rigid, const MatchTargets &targets,
                                                 const std::vector<Landmark> &landmarks, const scene::SceneMatch &match,
                                                 const char *owner, const std::function<std::string()> &takeError,
-                                                const ProgressFn &progress, bool continuesLast = false);
+                                                const ProgressFn &progress, DeformationOptions options = {});
 
 /// Adds the landmarks after the deformation. Probes are added and removed again: pause the log of changes. Errors as of
 /// measure(). [sim]

@@ -67,8 +67,11 @@ class Stepper {
   /// The body is at rest and costs nothing (WorldSettings::sleep): no stage runs, its state is constant bit for bit,
   /// its velocities are 0. A grab, a moving obstacle, or a change of material, world or scene wakes it.
   [[nodiscard]] bool asleep(std::size_t body) const;
-  /// Call after changing the state of a body from outside; velocities other than 0 wake it automatically.
+  /// Call after changing the state of a body from outside: counts the change and wakes the body. Velocities other than
+  /// 0 wake it automatically.
   void wake(std::size_t body);
+  /// Increases changes() without waking the body: for a temporary change that is undone before the next step.
+  void countChange(std::size_t body);
   /// Counter that grows whenever the state of a body may have changed, so that derived values can be cached.
   [[nodiscard]] std::uint64_t changes(std::size_t body) const;
 

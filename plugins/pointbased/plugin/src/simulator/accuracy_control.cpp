@@ -75,7 +75,7 @@ void AccuracyControl::computeTrials(const sdk::Progress &progress, const Paralle
   std::vector<Untried> all;
   Vec3 gravity;
   {
-    const std::lock_guard lock(world_.mutex);
+    const StateLock lock(world_);
     gravity = simulator_.world().settings().gravity;
     for (const auto &[id, record] : table_.bodies())
       if (!record.trials && !simulator_.body(id)->rigid())

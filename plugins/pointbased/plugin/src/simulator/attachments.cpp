@@ -20,7 +20,7 @@ void Attachments::add(const c3de_sim_attachment *attachment, c3de_handle *out) {
   read.tangential = in.tangential_Pa_m;
   read.tearsAt = in.tears_at_Pa;
   const StepInterrupt::Waiting waiting(world_.request);
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   if (!table_.hasBody(read.first) || (read.second != kSurroundings && !table_.has(read.second)))
     throw Error(C3DE_E_STALE, which + "there is no such body or obstacle in this simulation");
   if (table_.hasAttachment(read.name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");

@@ -23,7 +23,7 @@ void Bodies::add(const c3de_sim_body *body, c3de_handle *out) {
                               *record.values, accuracy_.requestFor(inputs), sdk::Progress(in.progress));
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(world_.context.services, in.mesh));
   const StepInterrupt::Waiting waiting(world_.request);
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   std::uint64_t id = 0;
   addBuilt(std::move(record), built, &id);
   if (out) *out = {id};

@@ -22,7 +22,7 @@ std::shared_ptr<const WorldVerification> BodyVerifier::verify(const sdk::Progres
   auto out = std::make_shared<WorldVerification>();
   std::vector<VerifiedBody> all;
   {
-    const std::lock_guard lock(world_.mutex);
+    const StateLock lock(world_);
     out->quasiStatic = simulator_.quasiStatic();
     out->clock = out->quasiStatic ? simulator_.loadFactor() : simulator_.time();
     for (const auto &[id, record] : table_.bodies()) {

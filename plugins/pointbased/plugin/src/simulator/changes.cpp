@@ -75,7 +75,7 @@ void Changes::execute(AnyChange &change, const sdk::Progress &progress) {
         }
       },
       change);
-  const std::lock_guard lock(world.mutex);
+  const StateLock lock(world);
   const std::uint64_t steps = world.simulator.steps(), resets = world.resets;
   std::visit([&](auto &kind) { kind.apply(parts_, ChangeAccess()); }, change);
   report(change, steps, world.resets != resets);

@@ -49,7 +49,7 @@ void Contacts::setPair(const c3de_sim_contact_pair *pair) {
   if (hasFriction) settings.friction = frictionOrThrow(in.friction, "");
   settings.enabled = (in.flags & C3DE_SIM_PAIR_OFF) == 0;
   settings.fits = (in.flags & C3DE_SIM_PAIR_FITS) != 0;
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   for (const c3de_handle one : {in.first, in.second})
     if (one.v != kWorldBox && !table_.has(one.v))
       throw Error(C3DE_E_STALE, "there is no such body, obstacle or probe tool in this simulation");
@@ -63,7 +63,7 @@ void Contacts::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *out) {
   auto built = obstacleOf(read);
   if (!built) throw Error(C3DE_E_ARG, built.error());
   ObstacleRecord record{read.name, meshOf(world_.context.services, read), read.friction, 0.0, built->motion, read};
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   if (table_.hasProbeTool(read.name))
     throw Error(C3DE_E_EXISTS, "probe tool '" + read.name + "': there is one of this name already");
   const std::vector<std::string> warnings = warningsOf(read);

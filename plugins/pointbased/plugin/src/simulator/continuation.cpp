@@ -17,6 +17,7 @@ void Continuation::continueFrom(c3de_object *other, c3de_sink json) {
   SimulatedWorld &before = simulator->parts().world;
   const StepInterrupt::Waiting waiting(before.request);
   const std::scoped_lock lock(before.mutex, world_.mutex);
+  for (SimulatedWorld *world : {&before, &world_}) (void)world->restoreState();
   conditions_.update();
   simulator->parts().conditions.update();
   const std::vector<SavedCondition> own = conditions_.saved();

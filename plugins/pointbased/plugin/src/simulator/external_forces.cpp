@@ -21,7 +21,7 @@ constexpr int kMostRepetitions = 20;
 }  // namespace
 
 void ExternalForces::points(c3de_handle handle, c3de_sim_points *out) {
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   const BodyRecord &record = table_.bodyOrThrow(handle.v);
   const Body &body = *simulator_.body(handle.v);
   c3de_sim_points points{};

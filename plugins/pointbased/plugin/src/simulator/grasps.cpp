@@ -247,7 +247,7 @@ void Grasps::add(const c3de_sim_grasp *given, c3de_handle *out) {
       refuse("place " + std::to_string(k) + " of its path: accepted: finite numbers and times that ascend");
     scene.path.push_back({place.time_s, to, Eigen::Quaterniond(readRotation(place.quaternion, "path"))});
   }
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   const BodyRecord &of = table_.bodyOrThrow(in.body.v);
   for (const auto &[id, other] : grasps_)
     if (other.name == record.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");

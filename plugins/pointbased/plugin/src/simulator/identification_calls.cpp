@@ -152,7 +152,7 @@ void IdentificationCalls::fit(const c3de_fit_request *request, const c3de_progre
 void IdentificationCalls::sensitivity(const c3de_sensitivity_request *request, const c3de_progress *progress,
                                       double *forces, c3de_sink json) {
   const c3de_sensitivity_request in = sdk::readStruct(request, "request");
-  const std::lock_guard lock(parts_.world.mutex);
+  const StateLock lock(parts_.world);
   const BodyRecord &record = parts_.world.table.bodyOrThrow(in.body.v);
   Body &body = *parts_.world.simulator.body(in.body.v);
   const std::size_t n = body.rest().phyxelCount();

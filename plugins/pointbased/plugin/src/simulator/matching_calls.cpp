@@ -132,6 +132,32 @@ std::string jsonOf(const SurfaceMatchResult &found, const RestState &rest, const
   return all.dump();
 }
 
+/// Shows the iterations of a match while the simulation is not stepped. The destructor restores the state.
+class ShownIterations {
+ public:
+  ShownIterations(SimulatedWorld &world, std::uint64_t body, std::shared_ptr<const RestState> rest)
+      : world_(world), body_(body), rest_(std::move(rest)) {
+    const std::lock_guard lock(world_.mutex);
+    steps_ = world_.simulator.steps();
+    resets_ = world_.resets;
+  }
+  ~ShownIterations() { const StateLock lock(world_); }
+  ShownIterations(const ShownIterations &) = delete;
+  ShownIterations &operator=(const ShownIterations &) = delete;
+
+  void show(std::span<const Vec3> displacements) {
+    const std::lock_guard lock(world_.mutex);
+    const Body *body = world_.simulator.body(body_);
+    if (body && body->sharedRest() == rest_ && world_.simulator.steps() == steps_ && world_.resets == resets_)
+      world_.show(body_, displacements);
+  }
+
+ private:
+  SimulatedWorld &world_;
+  std::uint64_t body_, steps_ = 0, resets_ = 0;
+  std::shared_ptr<const RestState> rest_;
+};
+
 }  // namespace
 
 struct MatchingCalls::Kept {
@@ -183,11 +209,15 @@ void MatchingCalls::match(const c3de_match_request *request, const c3de_progress
   settings.isMotionKnown = (in.flags & C3DE_MATCH_MOTION_KNOWN) != 0;
   if (in.iterations > 0) settings.maxIterations = static_cast<int>(std::min(in.iterations, 1000u));
   settings.stop = &stop;
+  std::optional<ShownIterations> shown;
+  if ((in.flags & C3DE_MATCH_SHOW) != 0) shown.emplace(world, in.body.v, matched.rest);
   settings.progress = [&](const SurfaceMatchProgress &now) {
+    if (shown) shown->show(now.displacements);
     return stop.report(0.5 + 0.5 * now.iteration / std::max(1, now.maxIterations),
                        "distance " + shortNumber(1e3 * now.distance) + " mm");
   };
   SurfaceMatchResult found = checked(kept->solver.match(pointsOf(in), landmarksOf(in), settings));
+  shown.reset();
   sdk::writeStruct(out, resultOf(found), "out");
   if (const c3de_status status = sdk::put(json, jsonOf(found, *matched.rest, parallelFor)); status < 0)
     throw Error(status, "the text was not accepted");

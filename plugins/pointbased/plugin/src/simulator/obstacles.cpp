@@ -30,7 +30,7 @@ void Obstacles::add(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
       buildObstacle(world_.context.services, name, mesh, {values.number("friction"), values.number("restitution")},
                     readMotion(in.motion, "obstacle"));
   ObstacleRecord record{name, std::move(mesh), built.friction, built.restitution, built.motion};
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   world_.reset();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));
   table_.addObstacle(id, std::move(record));

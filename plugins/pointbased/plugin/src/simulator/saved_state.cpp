@@ -208,7 +208,7 @@ SavedInteractions SavedState::takeInteractions(std::string_view &bytes) {
 
 void SavedState::load(const void *bytes, std::uint64_t n) {
   if (bytes == nullptr) throw Error(C3DE_E_ARG, "load_state: bytes is null");
-  const std::lock_guard lock(world_.mutex);
+  const StateLock lock(world_);
   std::string_view state(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
   const auto of = sdk::SceneRecord::take(state);
   if (!of) throw Error(C3DE_E_FORMAT, "the state ends too early, or is of another version of the plugin");

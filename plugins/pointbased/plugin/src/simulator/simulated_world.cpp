@@ -10,6 +10,7 @@
 namespace pointbased {
 
 void SimulatedWorld::reset() {
+  (void)restoreState();
   ++resets;
   simulator.reset();
   grasps.erase(kInteractiveGrasp);
@@ -52,6 +53,28 @@ void SimulatedWorld::recordPull(std::uint64_t body, std::uint64_t grabId) {
                  return distance(a) < distance(b);
                })->force;
   if (status->force.squaredNorm() > most.squaredNorm()) most = status->force;
+}
+
+void SimulatedWorld::show(std::uint64_t id, std::span<const Vec3> displacements) {
+  if (saved_ && saved_.body != id) (void)restoreState();
+  Body *body = simulator.body(id);
+  if (!body || body->rest().phyxelCount() != displacements.size()) return;
+  std::vector<Vec3> &now = body->state().displacements;
+  if (!saved_) saved_ = {id, now};
+  now.assign(displacements.begin(), displacements.end());
+  body->invalidatePointValues();
+  simulator.stepper().countChange(id);
+}
+
+SimulatedWorld::BodyShape SimulatedWorld::restoreState() {
+  BodyShape shown = std::exchange(saved_, {});
+  if (!shown) return shown;
+  Body *body = simulator.body(shown.body);
+  if (!body || body->rest().phyxelCount() != shown.displacements.size()) return {};
+  body->state().displacements.swap(shown.displacements);
+  body->invalidatePointValues();
+  simulator.stepper().countChange(shown.body);
+  return shown;
 }
 
 }  // namespace pointbased

@@ -3,6 +3,8 @@
 
 #include <map>
 #include <mutex>
+#include <span>
+#include <vector>
 
 #include "base/parameters.h"
 #include "base/step_request.h"
@@ -26,6 +28,18 @@ struct SimulatedWorld {
   void recordGrab(std::uint64_t body, const Grab &grab);
   /// Stores the pull of a grab likewise.
   void recordPull(std::uint64_t body, std::uint64_t grabId);
+  /// Replaces the state of a body by another shape for display, for example an iteration of a match. Snapshots and
+  /// fields contain it; StateLock restores the state, bit for bit. Stresses of bodies without vector kernels do not
+  /// change. No effect if the body has another number of phyxels.
+  void show(std::uint64_t body, std::span<const Vec3> displacements);
+  struct BodyShape {
+    std::uint64_t body = 0;
+    std::vector<Vec3> displacements;  ///< empty: there is none
+    [[nodiscard]] explicit operator bool() const { return !displacements.empty(); }
+  };
+  [[nodiscard]] bool isShowing() const { return static_cast<bool>(saved_); }
+  /// Returns the shape that was shown.
+  BodyShape restoreState();
 
   PluginContext &context;
   StepInterrupt request;
@@ -37,6 +51,30 @@ struct SimulatedWorld {
   std::map<std::uint64_t, GraspRecord> grasps;
   std::uint64_t nextId = std::uint64_t{1} << 32;
   std::uint64_t resets = 0;  ///< number of resets so far
+
+ private:
+  BodyShape saved_;  // what show() has replaced
+};
+
+/// Locks the mutex of a world whose bodies have their states. Where only the mutex is locked, a body may have the shape
+/// of SimulatedWorld::show().
+class StateLock {
+ public:
+  enum class AtEnd { state, shape };  ///< shape: what was shown is shown again, after a read
+  explicit StateLock(SimulatedWorld &world, AtEnd atEnd = AtEnd::state)
+      : lock_(world.mutex), world_(world), shown_(world.restoreState()) {
+    if (atEnd == AtEnd::state) shown_.displacements.clear();
+  }
+  ~StateLock() {
+    if (shown_) world_.show(shown_.body, shown_.displacements);
+  }
+  StateLock(const StateLock &) = delete;
+  StateLock &operator=(const StateLock &) = delete;
+
+ private:
+  std::lock_guard<std::mutex> lock_;
+  SimulatedWorld &world_;
+  SimulatedWorld::BodyShape shown_;
 };
 
 }  // namespace pointbased

@@ -18,7 +18,7 @@ SnapshotWriter::SnapshotWriter(const Services &services, Simulator &simulator, c
 }
 
 void SnapshotWriter::publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps,
-                             std::vector<ConditionSnapshot> conditions) {
+                             std::vector<ConditionSnapshot> conditions, bool isShowing) {
   const std::shared_ptr<Snapshot> s = exchange_.writable();
   s->generation = ++generation_;
   s->time = simulator_.time();
@@ -36,13 +36,13 @@ void SnapshotWriter::publish(const ViewSettings &view, std::vector<GraspSnapshot
   s->view = view;
   s->grasps = std::move(grasps);
   s->conditions = std::move(conditions);
-  takeBodies(*s);
+  takeBodies(*s, isShowing);
   takeContact(*s);
   takeView(*s);
   exchange_.publish(s);
 }
 
-void SnapshotWriter::takeBodies(Snapshot &s) {
+void SnapshotWriter::takeBodies(Snapshot &s, bool isShowing) {
   s.bodies.resize(table_.bodies().size());
   std::size_t k = 0;
   for (const auto &[id, record] : table_.bodies()) {
@@ -76,7 +76,7 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
         b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
       simulator_.world().surfels(id, b.surfels, b.normals);
     }
-    estimate(record, !samePlaces, b);
+    estimate(record, !samePlaces && !isShowing, b);
     b.cost = simulator_.diagnostics().costOf(id);
     b.mass = body.totalMass();
     b.held = heldPhyxels(body.rest());

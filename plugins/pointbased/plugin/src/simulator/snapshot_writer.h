@@ -21,7 +21,9 @@ class SnapshotWriter {
 
   /// Publishes the present state. Solver thread.
   /// @param grasps  as they hold now
-  void publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps, std::vector<ConditionSnapshot> conditions);
+  /// @param isShowing  a body has a shape of SimulatedWorld::show(): no errors are estimated
+  void publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps, std::vector<ConditionSnapshot> conditions,
+               bool isShowing);
   /// Null before the first. Any thread, without the mutex.
   [[nodiscard]] std::shared_ptr<const Snapshot> latest() const { return exchange_.latest(); }
   /// Called for a body that has been removed.
@@ -44,7 +46,7 @@ class SnapshotWriter {
     ErrorScratch scratch;
   };
 
-  void takeBodies(Snapshot &s);
+  void takeBodies(Snapshot &s, bool isShowing);
   void takeContact(Snapshot &s) const;
   void takeView(Snapshot &s);
   void estimate(const BodyRecord &record, bool moved, BodySnapshot &out);

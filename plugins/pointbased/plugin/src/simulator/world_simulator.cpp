@@ -134,7 +134,7 @@ void WorldSimulator::declarations(std::uint32_t scope, const c3de_param_decl **d
 
 void WorldSimulator::step() {
   SimulatedWorld &world = parts_.world;
-  const std::lock_guard lock(world.mutex);
+  const StateLock lock(world);
   parts_.conditions.update();
   parts_.forces.apply(parts_.conditions);
   parts_.grasps.update();
@@ -167,7 +167,7 @@ void WorldSimulator::activity(c3de_sink text) {
 }
 
 void WorldSimulator::reset() {
-  const std::lock_guard lock(parts_.world.mutex);
+  const StateLock lock(parts_.world);
   parts_.forces.removeLoads();
   parts_.holds.clear();
   parts_.world.reset();
@@ -177,7 +177,7 @@ void WorldSimulator::publish() {
   const std::lock_guard lock(parts_.world.mutex);
   parts_.conditions.update();
   parts_.snapshots.publish(viewSettings(parts_.world.parameters), parts_.grasps.snapshots(),
-                           parts_.conditions.snapshots());
+                           parts_.conditions.snapshots(), parts_.world.isShowing());
 }
 
 void WorldSimulator::status(c3de_sim_status *out) {
@@ -199,7 +199,7 @@ void WorldSimulator::status(c3de_sim_status *out) {
 }
 
 void WorldSimulator::stateHash(std::uint64_t *out) {
-  const std::lock_guard lock(parts_.world.mutex);
+  const StateLock lock(parts_.world, StateLock::AtEnd::shape);
   sdk::notNull(out, "out") = simulator_.stateHash();
 }
 
@@ -213,7 +213,7 @@ void WorldSimulator::report(c3de_sink json) {
   // Before the first step there is no error yet, so a report at that time does not wait.
   if (hasStepped()) parts_.accuracy.computeTrials(sdk::Progress(nullptr), context_.services.parallelFor());
   {
-    const std::lock_guard lock(parts_.world.mutex);
+    const StateLock lock(parts_.world, StateLock::AtEnd::shape);
     std::vector<ReportedBody> bodies;
     const std::shared_ptr<const WorldVerification> verified = parts_.snapshots.verificationOfNow();
     for (const std::uint64_t id : table_.bodiesInOrder()) {

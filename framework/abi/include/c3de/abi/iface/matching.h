@@ -13,6 +13,9 @@
 /* of a request: start from the deformation and the forces of the last match of this body, as for the next frame of a
  * sequence; no effect where the body has changed since */
 #define C3DE_MATCH_CONTINUE 2u
+/* of a request: snapshots and fields have the shape of the latest iteration during the call. Steps, changes, saved
+ * states, reports and state hashes use the state before the match. A simulator may ignore it */
+#define C3DE_MATCH_SHOW 4u
 
 #define C3DE_MATCH_CONVERGED 1u /* of a result */
 #define C3DE_MATCH_ERROR_KNOWN \
@@ -34,7 +37,7 @@ typedef struct c3de_match_landmark {
 
 typedef struct c3de_match_request {
   uint32_t size;
-  uint32_t flags; /* C3DE_MATCH_MOTION_KNOWN */
+  uint32_t flags; /* C3DE_MATCH_MOTION_KNOWN, C3DE_MATCH_CONTINUE, C3DE_MATCH_SHOW */
   c3de_handle body;
   const double *points_m; /* [points_n][3] */
   const double *normals;  /* [points_n][3], unit, outwards; null: not known */

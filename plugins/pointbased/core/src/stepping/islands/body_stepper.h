@@ -111,8 +111,9 @@ class BodyStepper {
   [[nodiscard]] bool asleep() const { return asleep_; }
   /// Call when the body or its environment has changed.
   void wake();
-  /// Increases with every step that may have changed the state.
+  /// Increases whenever the state may have changed.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
+  void countChange() { ++changes_; }
 
   /// Call when the body has changed: another material, another reference.
   void invalidate();

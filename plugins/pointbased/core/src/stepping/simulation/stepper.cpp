@@ -99,6 +99,11 @@ bool Stepper::asleep(std::size_t id) const {
 
 void Stepper::wake(std::size_t id) {
   if (const auto found = state_.bodies.find(id); found != state_.bodies.end()) found->second->wake();
+  countChange(id);
+}
+
+void Stepper::countChange(std::size_t id) {
+  if (const auto found = state_.bodies.find(id); found != state_.bodies.end()) found->second->countChange();
 }
 
 std::uint64_t Stepper::changes(std::size_t id) const {
