@@ -87,7 +87,7 @@ fs::path fineOrgan() {
                        << organMesh().generic_string()
                        << "\"\nmesh_unit = \"mm\"\nposition = [0.028, 0.16, 0.0]\n"
                           "material = { law = \"linear\", youngs_modulus = 6e3, poisson_ratio = 0.45, density = 1060.0 "
-                          "}\nsampling = { count = 9000 }\n";
+                          "}\nsampling = { count = 6000 }\n";
   return scene;
 }
 
