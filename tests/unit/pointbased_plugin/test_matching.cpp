@@ -235,6 +235,7 @@ TEST_CASE("The iterations of a match are shown, and its state is restored", "[ma
     shown.cancelledAt_m = 1e-3;
     CHECK(match(shown, C3DE_MATCH_SHOW) == C3DE_E_CANCELLED);
     CHECK(shown.largestChange_m > 1e-3);
+    CHECK(rootMeanSquare(cube.sides(), shown.before) == 0.0);
     CHECK(cube.hash() == before);
     for (Cube *one : {&control, &cube}) one->step(5);
     CHECK(cube.hash() == control.hash());
