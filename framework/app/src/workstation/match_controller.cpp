@@ -64,7 +64,7 @@ struct MatchController::Attempt {
     std::atomic<bool> hasMotion = false;   ///< `targets` and `rigid` are complete
     std::atomic<unsigned> iterations = 0;  ///< of the deformation
   };
-  std::shared_ptr<Progress> progress = std::make_shared<Progress>();
+  std::shared_ptr<Progress> progress;
 
   [[nodiscard]] const Mat4 &motion() const {
     return elastic.body ? elastic.body->measuredFromBody : rigid->rigid.measuredFromBody;

@@ -2,11 +2,11 @@
 #include "analysis/fine_reference_solution.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "analysis/fine_reference_forces.h"
+#include "base/rigid_fit.h"
 #include "body/history_transfer.h"
 #include "stepping/implicit/stage_solution.h"
 
@@ -188,28 +188,6 @@ FineReferenceState stateOf(Body &fineReference, const Vec3 &gravity, double cloc
 }
 
 }  // namespace
-
-RigidFit rigidFit(std::span<const Vec3> from, std::span<const Vec3> to, std::span<const double> weights) {
-  RigidFit fit;
-  Vec3 middle = Vec3::Zero();
-  double sum = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    fit.centre += weights[i] * from[i];
-    middle += weights[i] * to[i];
-    sum += weights[i];
-  }
-  fit.centre /= sum;
-  middle /= sum;
-  fit.shift = middle - fit.centre;
-  Mat3 product = Mat3::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i)
-    product += weights[i] * (to[i] - middle) * (from[i] - fit.centre).transpose();
-  const Eigen::JacobiSVD<Mat3> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 flip = Mat3::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  fit.rotation = svd.matrixU() * flip * svd.matrixV().transpose();
-  return fit;
-}
 
 Result<FineReferenceState> solveDirectly(const FineReferenceProblem &problem, std::span<const Vec3> leftOver,
                                          std::unique_ptr<Body> fineReference) {

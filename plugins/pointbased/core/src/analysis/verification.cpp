@@ -9,6 +9,7 @@
 #include "analysis/fine_reference_forces.h"
 #include "analysis/fine_reference_solution.h"
 #include "base/number_text.h"
+#include "base/rigid_fit.h"
 #include "pointbased/error_estimate.h"
 
 namespace pointbased {

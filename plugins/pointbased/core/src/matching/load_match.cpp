@@ -37,8 +37,8 @@ Result<void> LoadMatch::run(Eigen::VectorXd &loads, MatchMotion &motion) {
   response_.deform(loads, u_, parallelFor_);
   terms_.evaluate(u_, motion);
   double scale = terms_.spread();
-  // Near the last solution, a larger assumed noise would move the estimate away from it.
   reuse_ = kReuse * settings_.noise;
+  // Near the last solution, a larger assumed noise would move the estimate away from it.
   if (!loads.isZero(0.0) && scale < kNear) {
     scale = 1.0;
     reuse_ = std::max(reuse_, kReuseNear * size_);

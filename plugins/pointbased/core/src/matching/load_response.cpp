@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "base/polar.h"
 #include "sensitivity/equilibrium_tangent.h"
 #include "stepping/implicit/stage_problem.h"
 
@@ -15,8 +13,8 @@ namespace {
 constexpr double kTolerance = 1e-3;  // of responses
 constexpr int kMaxIterations = 2000;
 constexpr std::size_t kGrain = 64;
-// rad: derivatives of a rotated shape are the rotated ones up to some half of the angle.
-constexpr double kLargestTurn = 0.05;
+// rad: relative errors of rotated derivatives are some half of the angle.
+constexpr double kReuseAngle = 0.05;
 
 }  // namespace
 
@@ -65,7 +63,8 @@ std::vector<Vec3> LoadResponse::sum(const Eigen::VectorXd &amplitudes, const Par
 
 void LoadResponse::deform(const Eigen::VectorXd &amplitudes, std::span<Vec3> u, const ParallelFor &parallelFor) {
   warped_.deform(sum(amplitudes, parallelFor), u, parallelFor);
-  shape_.assign(u.begin(), u.end());
+  shape_.resize(u.size());
+  for (std::size_t i = 0; i < u.size(); ++i) shape_[i] = rest_.positions[i] + u[i];
 }
 
 double LoadResponse::size(const Eigen::VectorXd &amplitudes, const ParallelFor &parallelFor) const {
@@ -75,33 +74,22 @@ double LoadResponse::size(const Eigen::VectorXd &amplitudes, const ParallelFor &
   return std::sqrt(squared / static_cast<double>(all.size()));
 }
 
-LoadResponse::RigidFit LoadResponse::rigidFitFrom(const std::vector<Vec3> &before) const {
-  const double n = static_cast<double>(shape_.size());
-  Vec3 now = Vec3::Zero(), then = Vec3::Zero();
-  for (std::size_t i = 0; i < shape_.size(); ++i) {
-    now += (rest_.positions[i] + shape_[i]) / n;
-    then += (rest_.positions[i] + before[i]) / n;
-  }
-  Mat3 cross = Mat3::Zero();
-  double squares = 0.0;
-  for (std::size_t i = 0; i < shape_.size(); ++i) {
-    const Vec3 x = rest_.positions[i] + shape_[i] - now, y = rest_.positions[i] + before[i] - then;
-    cross += x * y.transpose();
-    squares += x.squaredNorm() + y.squaredNorm();
-  }
-  const Polar nearest = polarBySvd(cross);
-  return {nearest.R, std::sqrt(std::max(0.0, squares - 2.0 * nearest.trace) / n)};
+double LoadResponse::distanceAfter(const RigidFit &motion) const {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < shape_.size(); ++i) squared += (shape_[i] - motion(differentiatedAt_[i])).squaredNorm();
+  return std::sqrt(squared / static_cast<double>(shape_.size()));
 }
 
 Eigen::MatrixXd LoadResponse::sensitivities(const MatchTerms &terms, double tolerance, const ParallelFor &parallelFor) {
-  std::optional<RigidFit> fit;
-  if (!differentiatedAt_.empty()) fit = rigidFitFrom(differentiatedAt_);
-  if (!fit || fit->distance > tolerance || Eigen::AngleAxisd(fit->rotation).angle() > kLargestTurn) {
-    fit = {Mat3::Identity(), 0.0};
+  RigidFit motion;
+  if (!differentiatedAt_.empty()) motion = rigidFit(differentiatedAt_, shape_, std::vector<double>(shape_.size(), 1.0));
+  if (differentiatedAt_.empty() || distanceAfter(motion) > tolerance ||
+      Eigen::AngleAxisd(motion.rotation).angle() > kReuseAngle) {
+    motion = {};
     differentiatedAt_ = shape_;
     warped_.differentiate(derivatives_, parallelFor);
   }
-  return terms.observe(derivatives_, count(), fit->rotation, parallelFor);
+  return terms.observe(derivatives_, count(), motion.rotation, parallelFor);
 }
 
 }  // namespace pointbased::detail

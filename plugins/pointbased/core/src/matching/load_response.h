@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "base/rigid_fit.h"
 #include "matching/load_patterns.h"
 #include "matching/match_terms.h"
 #include "matching/warped_response.h"
@@ -26,7 +27,7 @@ class LoadResponse {
   [[nodiscard]] double size(const Eigen::VectorXd &amplitudes, const ParallelFor &parallelFor) const;
   /// Derivatives of all measurements with respect to the amplitudes at the last shape, [rows, patterns], m/Pa.
   /// @param tolerance  m, root mean square: derivatives are reused, rotated, while the shape differs by less than this
-  ///                   after the best rigid fit, and that rotates by less than kLargestTurn
+  ///                   after the best rigid motion, which rotates by at most 0.05 rad
   [[nodiscard]] Eigen::MatrixXd sensitivities(const MatchTerms &terms, double tolerance,
                                               const ParallelFor &parallelFor);
   /// The next sensitivities() are those of the last shape.
@@ -45,16 +46,12 @@ class LoadResponse {
     const Eigen::Index third = all.cols() / 3;
     return Eigen::Vector3f(all(i, p), all(i, third + p), all(i, 2 * third + p)).cast<double>();
   }
-  struct RigidFit {
-    Mat3 rotation;
-    double distance;  // m, root mean square after it
-  };
-  // Of the last shape to an earlier one.
-  [[nodiscard]] RigidFit rigidFitFrom(const std::vector<Vec3> &before) const;
+  // m, root mean square distance of the last shape from that of the derivatives after the motion.
+  [[nodiscard]] double distanceAfter(const RigidFit &motion) const;
 
   const RestState &rest_;
   WarpedResponse warped_;
-  std::vector<Vec3> shape_, differentiatedAt_;  // m, last displacements, and those of the derivatives
+  std::vector<Vec3> shape_, differentiatedAt_;  // m, positions of the last shape, and of that of the derivatives
   ResponseMatrix derivatives_;                  // of the displacements, m/Pa
 };
 

@@ -10,7 +10,6 @@
 namespace pointbased {
 
 void SimulatedWorld::reset() {
-  (void)restoreState();
   ++resets;
   simulator.reset();
   grasps.erase(kInteractiveGrasp);

@@ -20,7 +20,7 @@ namespace pointbased {
 struct SimulatedWorld {
   explicit SimulatedWorld(PluginContext &of) : context(of), simulator(of.services.parallelFor()) {}
 
-  /// Returns to the initial state, with the jaws of the scene and without instruments.
+  /// Under a StateLock: returns to the initial state, with the jaws of the scene and without instruments.
   void reset();
   /// Ids of loads, holds and grasps, above those of bodies, obstacles and probes.
   [[nodiscard]] std::uint64_t allocateIds(std::uint64_t count);
