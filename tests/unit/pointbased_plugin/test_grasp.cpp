@@ -107,6 +107,35 @@ TEST_CASE("Jaws are led to their gap within three tenths of a second, and beyond
   CHECK(grasp.commandedGap > before);
 }
 
+TEST_CASE("Springs of held tissue have stiffnesses in proportion to its load shares", "[grasp]") {
+  const std::unique_ptr<Body> body = softSlab(0.005);
+  const RestState &rest = body->rest();
+  const GraspSettings settings{.jaw = 0.018, .opening = 0.02};
+  const auto places = findJaws(slab().surface, kOnTop, Vec3::UnitZ(), Vec3::UnitX(), settings);
+  REQUIRE(places);
+  Grab grab = beginGrasp(1, *body, *places, settings).grabs[0];
+  REQUIRE(grab.phyxels.size() > 10);
+  REQUIRE(rest.heldVolumes.empty());
+  const double radius = 0.5 * settings.jaw;
+  const auto loadAt = [&](std::size_t k) {
+    const Index i = grab.phyxels[k];
+    const double distance = (rest.positions[i] - places->points[0].at(slab().surface.positions)).norm();
+    return rest.weightVolumes[i] * kernelWeight(distance, radius);  // no support holds a part of them
+  };
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
+    CHECK(grab.weights[k] * loadAt(0) == Approx(grab.weights[0] * loadAt(k)));
+  const Vec3 step(1e-4, -2e-4, 3e-4);
+  grab.target += step;
+  body->grabs.push_back({1, grab, {}});
+  for (Vec3 &force : body->forces()) force.setZero();
+  applyGrabs(*body, 1e9);
+  const Vec3 expected =
+      10.0 * body->material().youngsModulus * 2.0 * radius * step;  // ten times the tissue's stiffness
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
+    CHECK((body->forces()[grab.phyxels[k]] - grab.weights[k] * expected).norm() < 1e-9 * expected.norm());
+  CHECK((body->grabs[0].status.force - expected).norm() < 1e-9 * expected.norm());
+}
+
 TEST_CASE("What jaws pull and squeeze with is told apart, also when they are turned", "[grasp]") {
   Grasp grasp;
   grasp.jaws.axis = Vec3::UnitX();

@@ -115,15 +115,15 @@ TEST_CASE("What is held at a place is what the support holds, not the phyxel nea
   const auto free = materialAt(*rest, now, place);
   REQUIRE(free);
   CHECK_FALSE(free->isHeld);
-  // By the moving mass: all grabbed material has the same acceleration.
+  // By the share of a load on the material that moves.
   const Grab grab = grabAt(*rest, free->at, {.radius_mm = 12.0}, 6e3);
   REQUIRE(!grab.phyxels.empty());
   const double radius = 0.012;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
     const Index i = grab.phyxels[k];
-    const double moves = rest->volumes[i] - rest->supportVolumes[i];
+    const double moves = rest->weightVolumes[i] - rest->heldVolumes[i];
     const double kernel = kernelWeight((rest->positions[i] - free->at).norm(), radius);
-    const double first = rest->volumes[grab.phyxels[0]] - rest->supportVolumes[grab.phyxels[0]];
+    const double first = rest->weightVolumes[grab.phyxels[0]] - rest->heldVolumes[grab.phyxels[0]];
     const double firstKernel = kernelWeight((rest->positions[grab.phyxels[0]] - free->at).norm(), radius);
     CHECK_THAT(grab.weights[k] * first * firstKernel, WithinRel(grab.weights[0] * moves * kernel, 1e-9));
   }

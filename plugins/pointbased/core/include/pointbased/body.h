@@ -47,8 +47,8 @@ struct Grab {
   std::vector<double> weights;  ///< sum 1; the grabbed point is Σ w x
   Vec3 target = Vec3::Zero();   ///< world, m
   /// [phyxels] m, position of each relative to the target, before `rotation`. Every phyxel then has its own spring,
-  /// with a stiffness proportional to its weight over the largest weight, and the grabbed part keeps its shape. Empty:
-  /// one spring, on the grabbed point.
+  /// with a stiffness proportional to its weight, and the grabbed part keeps its shape. The stiffnesses sum to
+  /// heldMass() × frequency². Empty: one spring, on the grabbed point.
   std::vector<Vec3> arms;
   Mat3 rotation = Mat3::Identity();
   double frequency = 50.0;  ///< rad/s of the mass it holds; reduced where the step would not be stable with it
@@ -56,6 +56,11 @@ struct Grab {
   /// N; limits the force so that a tool that is pulled away does not tear the body
   double maxForce = std::numeric_limits<double>::infinity();
 };
+
+/// kg that the springs of a grab with `arms` hold: the mean of the masses over the largest weight. Depends little on how
+/// mass is lumped, unlike the single masses. The grab must have phyxels.
+/// @param masses  [phyxels] kg
+[[nodiscard]] double heldMass(const Grab &grab, std::span<const double> masses);
 
 struct GrabStatus {
   Vec3 point = Vec3::Zero();   ///< world, m, where the grabbed point is

@@ -52,15 +52,15 @@ bool isHeldByFix(const RestState &rest, const Vec3 &at, std::size_t nearest) {
 Grab patchAround(const RestState &rest, const Vec3 &at, double radius) {
   Grab grab;
   double sum = 0.0;
+  const std::vector<double> &shares = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
   std::vector<std::uint8_t> held(rest.phyxelCount(), 0);
   for (const ConstrainedRegion &part : rest.conditions.held)
     for (const Index i : part.phyxels) held[i] = 1;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
     if (held[i]) continue;
-    // Weighted by movable mass: a phyxel carried almost entirely by a support is light, and would leave the grab no
-    // force.
-    const double movableVolume = rest.volumes[i] - (rest.supportVolumes.empty() ? 0.0 : rest.supportVolumes[i]);
-    const double weight = movableVolume * kernelWeight((rest.positions[i] - at).norm(), radius);
+    // Weighted by its share of a load on material that no support holds.
+    const double share = shares[i] - (rest.heldVolumes.empty() ? 0.0 : rest.heldVolumes[i]);
+    const double weight = share * kernelWeight((rest.positions[i] - at).norm(), radius);
     if (weight <= 0.0) continue;
     grab.phyxels.push_back(static_cast<Index>(i));
     grab.weights.push_back(weight);

@@ -177,11 +177,7 @@ Grasp beginGrasp(std::uint64_t id, const Body &body, const JawPositions &jaws, c
     Grab &grab = grasp.grabs[k];
     grab = patchOf(rest, jaws.points[k], settings);
     middles[k] = addShapeSprings(grab, body);
-    const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
-    double mass = 0.0;
-    for (std::size_t j = 0; j < grab.phyxels.size(); ++j)
-      mass += grab.weights[j] / largest * body.masses()[grab.phyxels[j]];
-    grab.frequency = std::sqrt(kStiffnessRatio * youngsModulus * size / mass);
+    grab.frequency = std::sqrt(kStiffnessRatio * youngsModulus * size / heldMass(grab, body.masses()));
     grab.maxForce = kMaxPull * youngsModulus * size * size;
   }
   grasp.middle = 0.5 * (middles[0] + middles[1]);

@@ -2,7 +2,6 @@
 #include "discretisation/lattice/lattice_masses.h"
 
 #include <numeric>
-#include <optional>
 
 #include "base/cancellation_poll.h"
 #include "discretisation/lattice/lattice_jitter.h"
@@ -128,9 +127,9 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
   return gradients;
 }
 
-// Subtracts the rows, each as far as its ends permit. What remains is added to the errors, if these are not null.
+// Subtracts the rows, each as far as its ends permit. What remains is added to the errors.
 void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                          std::vector<double> &volumes, MomentErrors *errors, const ParallelFor &parallelFor) {
+                          std::vector<double> &volumes, MomentErrors &errors, const ParallelFor &parallelFor) {
   std::vector<double> changed, allowed(volumes.size(), 1.0), factors(rows.size());
   detail::CancellationPoll look(parallelFor);
   for (bool settled = false; !settled;) {
@@ -155,20 +154,19 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
       }
   }
   volumes = std::move(changed);
-  if (errors == nullptr) return;
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (factors[r] < 1.0)
       for (std::size_t k = 0; k < 3; ++k)
         forPhyxels(corners, rows[r].nodes[k], [&](Index i, double weight) {
-          errors->add(corners.phyxels[corners.offsets[rows[r].nodes[1]]], i,
-                      (k == 1 ? -2.0 : 1.0) * weight * (1.0 - factors[r]) * rows[r].amount);
+          errors.add(corners.phyxels[corners.offsets[rows[r].nodes[1]]], i,
+                     (k == 1 ? -2.0 : 1.0) * weight * (1.0 - factors[r]) * rows[r].amount);
         });
 }
 
 // Gives phyxels that are still too light the missing mass from the middles of rows at whose ends they are. These are
 // second differences of opposite sign, so volume and centre are preserved.
 void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                              std::vector<double> &volumes, MomentErrors *errors, const ParallelFor &parallelFor) {
+                              std::vector<double> &volumes, MomentErrors &errors, const ParallelFor &parallelFor) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
@@ -195,10 +193,8 @@ void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> ro
       volumes[i] += given;
       volumes[(*best)[0]] -= 2.0 * given;
       volumes[(*best)[1]] += given;
-      if (errors != nullptr) {
-        errors->add((*best)[0], static_cast<Index>(i), given);
-        errors->add((*best)[0], (*best)[1], given);
-      }
+      errors.add((*best)[0], static_cast<Index>(i), given);
+      errors.add((*best)[0], (*best)[1], given);
       candidates.erase(best);
     }
   }
@@ -245,9 +241,7 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   const Sharing sharing{map, contents};
   Least least(map, kMaxStiffness), leastFree(map, kMaxBesideHeld);
   std::vector<double> evenFree;  // m³, by phyxel
-  std::optional<MomentErrors> moments;
-  if (map.edges().any()) moments.emplace(corners.positions, componentsOf(map));
-  MomentErrors *const errors = moments ? &*moments : nullptr;
+  MomentErrors errors(corners.positions, componentsOf(map));
   detail::CancellationPoll look(parallelFor);
   for (std::size_t p = 0; p < contents.size(); ++p) {
     look();
@@ -279,8 +273,7 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
     const double even = evenPart(contents[p].all.share), evenOfFree = evenPart(loose.share);
     for (std::size_t j = 0; j < 8; ++j)
       forPhyxels(corners, part.nodes[j], [&](Index i, double weight) {
-        if (errors != nullptr && even > 0.0)
-          addEvenly(*errors, corners, part, i, weight * volume * even * (0.125 - functions[j]));
+        if (even > 0.0) addEvenly(errors, corners, part, i, weight * volume * even * (0.125 - functions[j]));
         out.weights[i] += weight * volume * functions[j];
         out.inertial[i] += weight * volume * ((1.0 - even) * functions[j] + even / 8.0);
         if (!holds) return;
@@ -293,15 +286,13 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   correctSecondMoments(corners, rows, least, out.inertial, errors, parallelFor);
   detail::checkCancelled(parallelFor);
   redistributeToLightNodes(corners, rows, least, out.inertial, errors, parallelFor);
-  if (errors != nullptr) {
-    std::vector<double> available(out.inertial.size());
-    for (std::size_t i = 0; i < available.size(); ++i) {
-      double minimum = std::max(kMinMass * uncorrected[i], least[i]);
-      if (!out.held.empty() && out.held[i] > 0.0) minimum = std::max({minimum, leastFree[i], evenFree[i]});
-      available[i] = std::max(0.0, out.inertial[i] - minimum);
-    }
-    errors->correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
+  std::vector<double> available(out.inertial.size());
+  for (std::size_t i = 0; i < available.size(); ++i) {
+    double minimum = std::max(kMinMass * uncorrected[i], least[i]);
+    if (!out.held.empty() && out.held[i] > 0.0) minimum = std::max({minimum, leastFree[i], evenFree[i]});
+    available[i] = std::max(0.0, out.inertial[i] - minimum);
   }
+  errors.correct(out.inertial, std::move(available), kPatchSpacing * map.set().frame.spacing, parallelFor);
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());
   for (std::size_t i = 0; i < out.held.size(); ++i) {

@@ -69,29 +69,20 @@ void applyMeanSpring(Body &body, ActiveGrab &active, double omega, const Vec3 &v
 void applyShapeSprings(Body &body, ActiveGrab &active, double omega) {
   const Grab &grab = active.grab;
   GrabStatus &status = active.status;
-  const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
-  // kg: for a rigid body the springs move its whole effective mass.
-  double massFactor = 1.0;
-  if (body.isFreeRigid()) {
-    massFactor = 0.0;
-    for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
-      massFactor += grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
-    massFactor = status.mass / massFactor;
-  }
-  const auto massOf = [&](std::size_t k) {
-    return massFactor * grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
-  };
+  // For a rigid body the springs move its whole effective mass.
+  const double mass = body.isFreeRigid() ? status.mass : heldMass(grab, body.masses());
   const auto forceOn = [&](std::size_t k) -> Vec3 {
     const Index i = grab.phyxels[k];
     const Vec3 x = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
     const Vec3 displacement = grab.target + grab.rotation * grab.arms[k] - x;
-    return massOf(k) * (omega * omega * displacement - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
+    return mass * grab.weights[k] *
+           (omega * omega * displacement - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
   };
   double sum = 0.0;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) sum += forceOn(k).norm();
   const double limited = sum > grab.maxForce ? grab.maxForce / sum : 1.0;
   status.force.setZero();
-  status.mass = 0.0;
+  status.mass = mass;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
     const Index i = grab.phyxels[k];
     const Vec3 force = limited * forceOn(k);
@@ -99,11 +90,16 @@ void applyShapeSprings(Body &body, ActiveGrab &active, double omega) {
     body.forces()[i] += force;
     status.force += force;
     status.torque += (x - status.point).cross(force);
-    status.mass += massOf(k);
   }
 }
 
 }  // namespace
+
+double heldMass(const Grab &grab, std::span<const double> masses) {
+  double mean = 0.0;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) mean += grab.weights[k] * masses[grab.phyxels[k]];
+  return mean / *std::max_element(grab.weights.begin(), grab.weights.end());
+}
 
 void applyGrabs(Body &body, double stiffnessLimit) {
   // The stiffness of grabs of the same phyxels adds up.
