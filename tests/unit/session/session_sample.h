@@ -69,6 +69,7 @@ inline session::SessionFile fullSession() {
                                         .landmarks = "/scans/landmarks.csv",
                                         .time = 2,
                                         .source = "labels",
+                                        .server = "tracker:18944",
                                         .label = "3",
                                         .unit = "cm",
                                         .noise_mm = 2.5,

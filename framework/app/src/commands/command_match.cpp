@@ -24,7 +24,11 @@ int run(const MatchOptions &arguments, const CommandLine &line) {
                                       {"--frame-table", &options.frameTable}});
       !taken)
     return reportError(taken.error());
-  const int exitCode = options.frames.empty() ? matchScene(options) : matchFrames(options);
+  const bool isSequence = !options.frames.empty() || !options.stream.empty();
+  if (!isSequence && !(options.frameTable.empty() && options.run.exportList.empty()))
+    return reportError({ErrorCode::usage, std::string(options.frameTable.empty() ? "--timeline" : "--frame-table") +
+                                              " is for sequences; accepted: with --frames or --stream"});
+  const int exitCode = isSequence ? matchFrames(options) : matchScene(options);
   if (const auto printed = output.print(); !printed) return reportError(printed.error());
   return exitCode;
 }
@@ -79,22 +83,38 @@ void declareMatchedState(CLI::App &app, MatchOptions &options) {
           "Write scene and matched state; the window and `c3de run FILE.c3de` continue from it");
 }
 
-/// A sequence, after everything else has been declared.
+/// A sequence of frames, after everything else has been declared.
 void declareFrames(CLI::App &app, MatchOptions &options) {
   CLI::Option *frames = addFile(
       app, "--frames", options.frames, "PATH",
       "A sequence of points: a folder of tables in the order of their names, or a CSV with the columns frame or "
       "time_s, and x, y, z. A row with a name in the column landmark states the measured position of that landmark. "
       "Each frame starts from the one before");
+  CLI::Option *stream =
+      app.add_option("--stream", options.stream,
+                     "Points that a tracking system sends: the address of an OpenIGTLink server. Each POINT message is "
+                     "a frame; points with the name of a landmark are that landmark. Sends C3DE_Motion and "
+                     "C3DE_Landmarks after each frame. Ctrl+C ends it");
+  stream->type_name("HOST[:PORT]");
+  addParsed(app, "--stream-frames", options.streamFrames, "With --stream: end after N frames; default: Ctrl+C",
+            [](const std::string &text) { return parseWhole(text, 1, 100000); })
+      ->type_name("N")
+      ->needs(stream);
+  addPositive(app, "--stream-timeout", options.streamTimeout_s, "s",
+              "With --stream: end after S seconds without points; default: 10")
+      ->type_name("S")
+      ->needs(stream);
+  app.add_flag("--stream-slice", options.sendsSlice,
+               "With --stream: send C3DE_Slice, the slice of the deformed image through the middle of the body")
+      ->needs(stream);
   addFile(app, "--frame-table", options.frameTable, "FILE.csv",
-          "With --frames: write residual, motion and time of each frame; - prints them")
-      ->needs(frames);
+          "With --frames or --stream: write residual, motion and time of each frame; - prints them");
   addFile(app, "--timeline", options.run.exportList, "FILE.pvd",
-          "With --frames: write the body at each frame for ParaView, without the rigid motion")
-      ->needs(frames);
+          "With --frames or --stream: write the body at each frame for ParaView, without the rigid motion");
+  frames->excludes(stream);
   for (const char *other : {"--surface", "--points", "--labels", "--label", "--target-landmarks", "--residuals",
                             "--export-surface", "--export-image", "--export-labels", "--export-displacement"})
-    frames->excludes(app.get_option(other));
+    for (CLI::Option *sequence : {frames, stream}) sequence->excludes(app.get_option(other));
 }
 
 Handler declareMatch(CLI::App &app, CommandLine &line) {
@@ -124,6 +144,7 @@ Handler declareMatch(CLI::App &app, CommandLine &line) {
       "    c3de match SCENE.toml --report r.json                  # a scene with [match]\n"
       "    c3de match SCENE.toml --points points.csv --noise 2\n"
       "    c3de match SCENE.toml --frames points --frame-table -  # a folder of frames, one table each\n"
+      "    c3de match SCENE.toml --stream localhost:18944         # frames of a tracking system\n"
       "    c3de match SCENE.toml --labels followup.nii.gz --label 1 --target-landmarks targets.csv\n"
       "Not for clinical use.");
   return [options, &line] { return run(*options, line); };

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "c3de/abi/log.h"
 #include "c3de/core/csv.h"
+#include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/geometry/rigid_fit.h"
@@ -17,13 +19,13 @@
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/match_stages.h"
-#include "c3de/session/measured_frames.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/run_beginning.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
+#include "commands/measured_source.h"
 #include "commands/run_exports.h"
 #include "commands/scene_at_rest.h"
 #include "commands/standard_output.h"
@@ -42,10 +44,16 @@ struct DoneFrame {
 
 struct Sequence {
   std::vector<DoneFrame> frames;
-  std::size_t planned = 0;
-  std::string failure;  ///< why it ends early; empty: it is complete
+  std::optional<std::size_t> planned;  ///< none: until the stream ends
+  std::size_t unmatched = 0;           ///< frames of a stream that could not be matched
+  std::string failure;                 ///< why it ends early; empty: it is complete
   ErrorCode code = ErrorCode::state;
 };
+
+/// Folder, table or address, for messages.
+std::filesystem::path sourceOf(const MatchOptions &options) {
+  return options.stream.empty() ? options.frames : pathFromText(options.stream);
+}
 
 std::vector<std::filesystem::path> outputsOf(const MatchOptions &options) {
   return {options.run.report, options.frameTable, options.run.exportList, options.run.saveState,
@@ -58,7 +66,7 @@ Expected<SceneMatch> wantedOf(const MatchOptions &options, const scene::SceneFil
   if (!options.body.empty()) out.body = options.body;
   if (options.noise_mm) out.noise_mm = *options.noise_mm;
   if (options.isRigid) out.deforms = false;
-  out.points = options.frames;
+  out.points = sourceOf(options);
   out.surface.clear();
   out.labels = {};
   out.landmarks.clear();
@@ -113,83 +121,80 @@ std::string tableOf(const Sequence &sequence) {
   return text;
 }
 
-/// Landmarks with the positions measured in each frame. Errors: a file or an unknown name (input), options without
-/// effect (usage).
-Expected<std::vector<std::vector<Landmark>>> landmarksOfFrames(const MatchOptions &options,
-                                                               const scene::SceneFile &scene, const SceneMatch &wanted,
-                                                               const std::vector<MeasuredFrame> &frames) {
-  auto all = landmarksOf(scene, options.run.landmarks, {});
-  if (!all) return tl::unexpected(all.error());
-  std::vector<std::vector<Landmark>> out;
-  bool areMeasured = false;
-  for (const MeasuredFrame &frame : frames) {
-    if (const auto good = setTargets(frame.measured.landmarks, *all); !good) return tl::unexpected(good.error());
-    out.push_back(withTargets(*all));
-    areMeasured = areMeasured || !frame.measured.landmarks.empty();
-  }
-  if (!areMeasured && (!options.use.empty() || options.weight || !options.run.landmarks.empty()))
-    return fail(ErrorCode::usage, pathText(options.frames) +
-                                      ": no landmark was measured, so --landmarks, --use and --weight have no effect; "
-                                      "accepted: rows with a name in the column 'landmark'");
-  if (options.weight && !wanted.fitsLandmarks)
-    return fail(ErrorCode::usage, "--weight is for landmarks that are fitted; accepted: with --use fit");
-  return out;
+/// Why a match is no result; empty: it is one.
+std::string failureOfFrame(const FrameMatch &match) {
+  if (match.rigid.isUsable()) return {};
+  return match.rigid.rigid.verdict == registration::RegistrationVerdict::refused ? "no rigid motion is credible"
+                                                                                 : "the rigid motion is ambiguous";
 }
 
-/// Matches the frames in their order. A frame that cannot be matched ends the sequence. Errors: cancelled.
+/// Matches the frames in their order. A frame of files that cannot be matched ends the sequence; of a stream it is
+/// left out, with a warning. Errors: cancelled.
 Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                             const std::string &name, const geometry::TriangleMesh &skin, const SceneMatch &wanted,
-                            std::vector<MeasuredFrame> frames, std::vector<std::vector<Landmark>> landmarks,
-                            SimulationExport *timeline, const ProgressFn &progress) {
+                            MeasuredSource &source, SimulationExport *timeline, const ProgressFn &progress) {
   Sequence out;
-  out.planned = frames.size();
+  out.planned = source.count();
   FrameRequest request;
   request.wanted = wanted;
   request.targets.file = wanted.points;
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    MeasuredFrame &frame = frames[k];
-    request.targets.surface.points_mm = std::move(frame.measured.points_mm);
-    request.targets.surface.normals = std::move(frame.measured.normals);
-    request.landmarks = std::move(landmarks[k]);
+  for (;;) {
+    const std::size_t number = out.frames.size() + out.unmatched + 1;
+    auto frame = source.next(progress);
+    const auto end = [&](ErrorCode code, const std::string &where, const std::string &why) {
+      out.code = code;
+      out.failure = where + ": " + why;
+      return out;
+    };
+    if (!frame) return end(frame.error().code, fmt::format("frame {}", number), frame.error().message);
+    if (!*frame) return out;
+    session::MeasuredFrame &measured = (*frame)->measured;
+    request.targets.surface.points_mm = std::move(measured.measured.points_mm);
+    request.targets.surface.normals = std::move(measured.measured.normals);
+    request.landmarks = std::move((*frame)->landmarks);
     const ProgressFn part = [&](double fraction, const std::string &what) {
-      const double done = static_cast<double>(k) + std::max(fraction, 0.0);
-      return progress(done / static_cast<double>(frames.size()), "frame " + frame.name + ": " + what);
+      const double done = static_cast<double>(number - 1) + std::max(fraction, 0.0);
+      return progress(out.planned ? done / static_cast<double>(*out.planned) : -1.0,
+                      "frame " + measured.name + ": " + what);
     };
     auto match = matchFrame(session, simulator, scene, name, skin, request, part);
-    if (!match && match.error().code == ErrorCode::cancelled) return tl::unexpected(match.error());
-    const auto end = [&](ErrorCode code, const std::string &why) {
-      out.code = code;
-      out.failure = fmt::format("frame {} ({} of {}): {}", frame.name, k + 1, frames.size(), why);
-    };
-    if (!match) {
-      end(match.error().code, match.error().message);
-      return out;
+    if (!match && match.error().code == ErrorCode::cancelled) {
+      if (source.isLive()) return out;
+      return tl::unexpected(match.error());
     }
-    out.frames.push_back({frame.name, frame.time_s, std::move(*match)});
+    const std::string where = out.planned ? fmt::format("frame {} ({} of {})", measured.name, number, *out.planned)
+                                          : "frame " + measured.name;
+    if (const std::string why = match ? failureOfFrame(*match) : match.error().message;
+        !why.empty() && source.isLive() && (match || match.error().code == ErrorCode::input)) {
+      log(LogLevel::warn, where + ": " + why + "; it is left out");
+      ++out.unmatched;
+      request.measuredFromBodyBefore.reset();
+      continue;
+    }
+    if (!match) return end(match.error().code, where, match.error().message);
+    out.frames.push_back({measured.name, measured.time_s, std::move(*match)});
     const FrameMatch &last = out.frames.back().match;
-    if (!last.rigid.isUsable()) {
+    if (const std::string why = failureOfFrame(last); !why.empty()) {
       const bool isRefused = last.rigid.rigid.verdict == registration::RegistrationVerdict::refused;
-      end(isRefused ? ErrorCode::input : ErrorCode::state,
-          isRefused ? "no rigid motion is credible" : "the rigid motion is ambiguous");
-      return out;
+      return end(isRefused ? ErrorCode::input : ErrorCode::state, where, why);
     }
+    if (const auto sent = source.send(last); !sent) return end(sent.error().code, where, sent.error().message);
     // Without a deformation the body still has the shape of a frame before.
     if (timeline != nullptr && last.elastic.body) {
       const auto states =
           readBodyStates(simulator, BodyParts::skinAndInside, [&session] { return session.plugins().takeError(); });
       if (!states) return tl::unexpected(states.error());
-      const double at = frame.time_s.value_or(static_cast<double>(k));
+      const double at = measured.time_s.value_or(static_cast<double>(number - 1));
       if (const auto added = timeline->addFrame(at, *states); !added) return tl::unexpected(added.error());
     }
     // A frame that has not converged is no start for the next one.
     request.measuredFromBodyBefore.reset();
     if (last.canContinue()) request.measuredFromBodyBefore = last.measuredFromBody();
   }
-  return out;
 }
 
 Expected<void> writeResults(const MatchOptions &options, const HeadlessRun &run, RunFacts facts,
-                            const Sequence &sequence, WrittenOutputs &outputs) {
+                            const Sequence &sequence, const MeasuredSource &source, WrittenOutputs &outputs) {
   if (!options.frameTable.empty())
     outputs.note(options.frameTable, writeWholeFile(options.frameTable, tableOf(sequence)));
   if (options.run.report.empty()) return {};
@@ -198,6 +203,10 @@ Expected<void> writeResults(const MatchOptions &options, const HeadlessRun &run,
     Json json = Json::parse(matchJson(last.rigid, last.elastic), nullptr, false);
     json["frames"] = Json::array();
     for (const DoneFrame &frame : sequence.frames) json["frames"].push_back(rowOf(frame));
+    if (const std::string stream = source.streamJson(); !stream.empty()) {
+      json["stream"] = Json::parse(stream);
+      json["stream"]["unmatched"] = sequence.unmatched;
+    }
     facts.match = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   if (!sequence.failure.empty()) facts.outcome = "failed", facts.failure = sequence.failure;
@@ -217,15 +226,17 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   const SharedScene scene = std::get<SharedScene>(beginning->source.front());
   const auto wanted = wantedOf(options, *scene);
   if (!wanted) return tl::unexpected(wanted.error());
-  std::vector<std::filesystem::path> inputs{options.run.scene, options.frames};
+  std::vector<std::filesystem::path> inputs{options.run.scene};
+  if (!options.frames.empty()) inputs.push_back(options.frames);
   inputs.insert(inputs.end(), options.run.landmarks.begin(), options.run.landmarks.end());
   if (const auto good = checkOutputs(outputsOf(options), inputs); !good) return tl::unexpected(good.error());
   if (!options.run.exportList.empty())
     if (const auto good = checkSimulationExport(options.run.exportList); !good) return tl::unexpected(good.error());
-  auto frames = readMeasuredFrames(options.frames, wanted->unit);
-  if (!frames) return tl::unexpected(frames.error());
-  auto landmarks = landmarksOfFrames(options, *scene, *wanted, *frames);
-  if (!landmarks) return tl::unexpected(landmarks.error());
+  if (options.weight && !wanted->fitsLandmarks)
+    return fail(ErrorCode::usage, "--weight is for landmarks that are fitted; accepted: with --use fit");
+  Expected<std::unique_ptr<MeasuredSource>> source;
+  if (options.stream.empty()) source = measuredFiles(options, *scene, *wanted);
+  if (!source) return tl::unexpected(source.error());
   BodySources sources;
   const auto built = buildAtRest(session, *scene, sources, progress);
   if (!built) return tl::unexpected(built.error());
@@ -241,15 +252,17 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   still.quiet = options.run.quiet;
   HeadlessRun atRest(session, simulator, built->table, still, {}, outputs, beginning->source);
   if (const auto ran = atRest.run(); !ran) return tl::unexpected(ran.error());
+  if (!options.stream.empty()) source = measuredStream(options, {session, *scene, *wanted, *built, sources, name});
+  if (!source) return tl::unexpected(source.error());
   std::optional<SimulationExport> timeline;
   if (!options.run.exportList.empty()) timeline.emplace(options.run.exportList);
-  auto sequence = matchAll(session, simulator, *scene, name, skins->rest, *wanted, std::move(*frames),
-                           std::move(*landmarks), timeline ? &*timeline : nullptr, progress);
+  auto sequence = matchAll(session, simulator, *scene, name, skins->rest, *wanted, **source,
+                           timeline ? &*timeline : nullptr, progress);
   line.finish();
   if (timeline) outputs.note(options.run.exportList, timeline->finish());
   if (!sequence) return tl::unexpected(sequence.error());
   RunFacts facts = built->facts(atRest, *scene, options.run.scene);
-  if (const auto good = writeResults(options, atRest, std::move(facts), *sequence, outputs); !good)
+  if (const auto good = writeResults(options, atRest, std::move(facts), *sequence, **source, outputs); !good)
     return tl::unexpected(good.error());
   if (sequence->failure.empty()) saveEnd(options.run, session, simulator, built->identity, *beginning, outputs);
   return sequence;
@@ -284,12 +297,15 @@ int matchFrames(const MatchOptions &options) {
       for (const std::string &warning : frame.match.rigid.rigid.warnings) printOut("  warning: " + warning + "\n");
       for (const std::string &warning : warningsOf(frame.match.elastic)) printOut("  warning: " + warning + "\n");
     }
-    printOut(fmt::format("{} of {} frames in {:.3g} s, longest after the first {:.3g} s; not for clinical use\n",
-                         sequence->frames.size(), sequence->planned, total, longest));
+    printOut(fmt::format(
+        "{}{} frames in {:.3g} s, longest after the first {:.3g} s; not for clinical use\n", sequence->frames.size(),
+        sequence->planned ? fmt::format(" of {}", *sequence->planned) : std::string(), total, longest));
   }
   ExitCode exitCode = kDone;
+  if (sequence->frames.empty() && sequence->failure.empty())
+    exitCode = reportError({ErrorCode::input, options.stream + ": no frame was matched"});
   if (!sequence->failure.empty())
-    exitCode = reportError({sequence->code, pathText(options.frames) + ": " + sequence->failure});
+    exitCode = reportError({sequence->code, pathText(sourceOf(options)) + ": " + sequence->failure});
   // A missing output takes precedence over other failures.
   return outputs.areComplete() ? exitCode : reportError(outputs.error());
 }

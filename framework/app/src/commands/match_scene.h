@@ -21,6 +21,11 @@ struct MatchOptions {
   std::filesystem::path residuals;  ///< empty: not requested
   /// A sequence in place of surface, points and labels (matchFrames()), and its table; empty: none
   std::filesystem::path frames, frameTable;
+  /// Address of a tracking system that sends the frames; empty: none
+  std::string stream;
+  std::optional<long long> streamFrames;  ///< none: until the stream ends
+  std::optional<double> streamTimeout_s;  ///< without points, until the sequence ends
+  bool sendsSlice = false;                ///< sends a slice of the deformed image after each frame
 };
 
 /// Brings a body of a scene to what was measured and prints the result. Returns the exit code: kFailed where the motion

@@ -56,9 +56,14 @@ struct MatchController::Attempt {
   std::optional<RigidMatch> rigid;
   std::optional<std::size_t> chosen;  ///< candidate from which the user has the body deformed
   ElasticMatch elastic;
-  std::uint64_t capture = 0;  ///< of the state before it
-  Expected<void> read;        ///< from the simulation
-  bool isMatched = false;     ///< the job has ended, and the body has its new shape
+  std::uint64_t capture = 0;                        ///< of the state before it; 0: none
+  bool isStreamed = false;                          ///< `targets` are a frame of a stream
+  std::optional<Mat4> motionBefore;                 ///< of the frame before, from which it starts
+  std::vector<Landmark> allLandmarks;               ///< of a streamed match: those without targets as well
+  std::vector<session::MeasuredLandmark> expected;  ///< of these, those of the body, after the match
+  double wall_s = 0.0;                              ///< of a streamed match
+  Expected<void> read;                              ///< from the simulation
+  bool isMatched = false;                           ///< the job has ended, and the body has its new shape
   /// Progress of the job, for the main thread.
   struct Progress {
     std::atomic<bool> hasMotion = false;   ///< `targets` and `rigid` are complete
@@ -78,9 +83,21 @@ struct MatchController::Attempt {
     auto found = skinsOf(simulator, wanted.body, takeError);
     if (!found) return tl::unexpected(found.error());
     skins = std::move(*found);
-    auto own = landmarksOfBody(simulator, sceneOrNone(), landmarks, wanted, wanted.body, takeError);
+    scene::SceneMatch reading = wanted;
+    if (isStreamed) reading.fitsLandmarks = false;  // a frame may have none
+    auto own = landmarksOfBody(simulator, sceneOrNone(), landmarks, reading, wanted.body, takeError);
     if (!own) return tl::unexpected(own.error());
     landmarks = std::move(*own);
+    if (isStreamed && landmarks.empty()) wanted.fitsLandmarks = false;
+    return {};
+  }
+  /// [sim]
+  [[nodiscard]] Expected<void> readExpected(c3de_object *simulator, const std::function<std::string()> &takeError) {
+    if (const auto good = findBodies(simulator, sceneOrNone(), allLandmarks, takeError); !good) return good;
+    std::erase_if(allLandmarks, [this](const Landmark &one) { return !one.body.empty() && one.body != wanted.body; });
+    auto measured = measure(simulator, {}, allLandmarks, takeError);
+    if (!measured) return tl::unexpected(measured.error());
+    expected = std::move(measured->landmarks);
     return {};
   }
   /// [sim]
@@ -92,11 +109,25 @@ struct MatchController::Attempt {
     if (found->present.vertices.size() != skins.rest.vertices.size())
       return fail(ErrorCode::state, "the body has another surface than at the beginning");
     skins.present = std::move(found->present);
+    if (isStreamed)
+      if (const auto good = readExpected(simulator, takeError); !good) return good;
     return measureLandmarks(simulator, landmarks, *rigid, takeError, elastic);
+  }
+  [[nodiscard]] Expected<void> matchFrameOfStream(Session &session, c3de_object *simulator, const char *owner,
+                                                  const ProgressFn &report) {
+    auto frame = matchPoints(
+        simulator, wanted.body, skins.rest, targets, landmarks, wanted, motionBefore, owner,
+        [&session] { return session.plugins().takeError(); }, &session.pool(), report);
+    if (!frame) return tl::unexpected(frame.error());
+    rigid = std::move(frame->rigid);
+    elastic = std::move(frame->elastic);
+    wall_s = frame->wall_s;
+    return {};
   }
   /// In a background job.
   [[nodiscard]] Expected<void> match(Session &session, c3de_object *simulator, const char *owner,
                                      const ProgressFn &report) {
+    if (isStreamed) return matchFrameOfStream(session, simulator, owner, report);
     Expected<RigidMatch> found;
     if (chosen) {
       found = withCandidate(*rigid, *chosen, skins.rest, targets, &session.pool());
@@ -154,7 +185,7 @@ void MatchController::fillForm() {
 }
 
 void MatchController::open() {
-  if (attempt_ && panel_) return;
+  if ((attempt_ || stream_) && panel_) return;
   fillForm();
   shownAssignments_ = parts_.values.assignments();
   readBodies();
@@ -171,6 +202,7 @@ void MatchController::open() {
 }
 
 void MatchController::close() {
+  endStream({});
   panel_.reset();
   forgetResult();
 }
@@ -184,6 +216,7 @@ void MatchController::forgetResult() {
 void MatchController::onReplaced() {
   if (!job_.isNull()) parts_.session.jobs().cancel(std::exchange(job_, {}));
   attempt_.reset();
+  stream_.reset();
   forgetResult();
   bodies_.clear();
   shownLog_.reset();
@@ -192,6 +225,7 @@ void MatchController::onReplaced() {
 void MatchController::update() {
   presenter_.followTree();
   showIterations();
+  followStream();
   if (!panel_) return;
   if (parts_.values.assignments() != shownAssignments_) open();
   parts_.values.countChanges();
@@ -237,6 +271,7 @@ ui::MatchView MatchController::view() {
       out.progress = {job.fraction, job.cancelling ? "Cancelling" : job.what};
       out.isCancelling = job.cancelling;
     }
+  if (stream_) out.stream = stream_->status();
   if (result_) out.result = &texts_;
   return out;
 }
@@ -257,7 +292,48 @@ Expected<std::vector<Landmark>> MatchController::landmarks(const std::filesystem
   return landmarksOf(named, {}, files);
 }
 
+void MatchController::beginStream() {
+  const auto address = tracking::parseTrackingAddress(parts_.values.form.server);
+  if (!address) return parts_.failed(kFailed, address.error());
+  if (const std::string reason = parts_.blockingReason(); !reason.empty())
+    return parts_.failed(kFailed, {ErrorCode::state, reason});
+  auto link = tracking::TrackingLink::open(
+      *address, [&queue = parts_.session.mainQueue()] { queue.post([] {}); });  // the next frame of the window follows
+  if (!link) return parts_.failed(kFailed, link.error());
+  forgetResult();
+  stream_.emplace(std::move(*link));
+}
+
+void MatchController::followStream() {
+  if (!stream_) return;
+  if (const auto change = stream_->takeChange())
+    parts_.panels.notify(change->isBad ? C3DE_LOG_WARN : C3DE_LOG_INFO, "Tracking system " + stream_->address(),
+                         displayText(change->text) + ".", {}, registry::About::simulation);
+  if (attempt_) return;
+  auto all = landmarks({});
+  if (!all) return endStream(all.error().message);
+  auto frame = stream_->take(*all);
+  if (!frame) return;
+  const auto attempt = std::make_shared<Attempt>();
+  attempt->isStreamed = true;
+  attempt->wanted = parts_.values.form.match();
+  attempt->landmarks = std::move(frame->landmarks);
+  attempt->allLandmarks = std::move(*all);
+  attempt->targets.surface.points_mm = std::move(frame->points_mm);
+  attempt->targets.file = pathFromText(stream_->address());
+  attempt->motionBefore = stream_->motion();
+  start(attempt);
+}
+
+void MatchController::endStream(const std::string &why) {
+  if (!stream_) return;
+  if (!why.empty()) parts_.failed("The stream of the tracking system has ended", {ErrorCode::state, why});
+  stream_.reset();
+  if (attempt_ && !attempt_->isMatched && !job_.isNull()) parts_.session.jobs().cancel(job_);
+}
+
 void MatchController::begin() {
+  if (parts_.values.form.source == ui::MatchSource::stream) return beginStream();
   const auto attempt = std::make_shared<Attempt>();
   attempt->wanted = parts_.values.form.match();
   if (parts_.values.form.source == ui::MatchSource::labels)
@@ -287,6 +363,7 @@ void MatchController::start(const SharedAttempt &attempt) {
   if (attempt_) return;
   scene::Simulation *simulation = parts_.session.simulation();
   const std::string reason = simulation ? parts_.blockingReason() : std::string("there is no simulation");
+  if (!reason.empty() && attempt->isStreamed) return endStream(reason);
   if (!reason.empty()) return parts_.failed(kFailed, {ErrorCode::state, reason});
   attempt_ = attempt;
   attempt->progress = std::make_shared<Attempt::Progress>();
@@ -305,6 +382,8 @@ void MatchController::start(const SharedAttempt &attempt) {
 void MatchController::onRead(const SharedAttempt &attempt) {
   if (attempt != attempt_) return;
   if (!attempt->read) return end(attempt, attempt->read.error());
+  // All frames of a stream are one step of undo.
+  if (attempt->isStreamed && stream_ && stream_->canUndo) return submit(attempt);
   parts_.history.captureBefore(unlessDestroyed([this, attempt](std::uint64_t capture) {
     attempt->capture = capture;
     submit(attempt);
@@ -334,7 +413,10 @@ void MatchController::onMatched(const SharedAttempt &attempt, const Expected<voi
   if (!result) return end(attempt, result.error());
   attempt->isMatched = true;
   const std::string label = "match " + attempt->wanted.body;
-  if (attempt->elastic.body && !parts_.history.addCaptured(attempt->capture, label))
+  const bool hasStep = attempt->isStreamed && stream_ && stream_->canUndo;
+  const bool isAdded = attempt->elastic.body && !hasStep && parts_.history.addCaptured(attempt->capture, label);
+  if (attempt->isStreamed && stream_ && attempt->elastic.body) stream_->canUndo = true;
+  if (attempt->elastic.body && !hasStep && !isAdded)
     parts_.panels.notify(C3DE_LOG_WARN, "This cannot be undone: " + label,
                          "Another change was made while the body was matched.", {}, registry::About::simulation);
   scene::Simulation *simulation = parts_.session.simulation();
@@ -357,6 +439,7 @@ void MatchController::onMeasured(const SharedAttempt &attempt) {
   if (!attempt->elastic.body && isDeformed(attempt->skins, attempt->wanted.noise_mm))
     texts_.warnings.push_back("the body is deformed at present, and the points are placed at its shape at rest");
   show(texts_.shownCandidate);
+  if (attempt->isStreamed) return onFrameMatched(*attempt);
   const bool isGood = rigid.isUsable() && texts_.warnings.empty();
   std::string text;
   for (const ui::MatchTexts::Row &row : texts_.sections[1].rows) text += row.name + ": " + row.value + "\n";
@@ -367,9 +450,25 @@ void MatchController::onMeasured(const SharedAttempt &attempt) {
   log(LogLevel::info, "match of " + attempt->wanted.body + ": " + verdictOf(rigid) + "; " + text);
 }
 
+void MatchController::onFrameMatched(const Attempt &attempt) {
+  if (!stream_) return;
+  if (!attempt.read) return endStream(attempt.read.error().message);
+  if (!attempt.rigid->isUsable()) return stream_->onFailed(failureOf(*attempt.rigid));
+  session::FrameMatch match;
+  match.rigid = *attempt.rigid;
+  match.elastic = attempt.elastic;
+  match.wall_s = attempt.wall_s;
+  stream_->onMatched(match, attempt.expected);
+}
+
 void MatchController::end(const SharedAttempt &attempt, const Error &error) {
   attempt_.reset();
   job_ = {};
+  if (attempt->isStreamed && (!stream_ || error.code == ErrorCode::input)) {
+    if (stream_) stream_->onFailed(error.message);
+    return;
+  }
+  if (attempt->isStreamed) stream_.reset();
   if (showsMotion_) {
     if (result_)
       show(texts_.shownCandidate);
@@ -386,6 +485,7 @@ void MatchController::end(const SharedAttempt &attempt, const Error &error) {
 }
 
 void MatchController::cancel() {
+  if (stream_) return endStream({});
   // Afterwards the body has its new shape, which Undo takes back.
   if (!attempt_ || attempt_->isMatched) return;
   if (job_.isNull()) return end(SharedAttempt(attempt_), {ErrorCode::cancelled, "cancelled"});

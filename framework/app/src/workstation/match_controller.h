@@ -17,6 +17,7 @@
 #include "c3de/ui/measurement_list.h"
 #include "c3de/ui/workstation_window.h"
 #include "workstation/match_presenter.h"
+#include "workstation/match_stream.h"
 #include "workstation/match_values.h"
 #include "workstation/messages.h"
 #include "workstation/simulation_history.h"
@@ -53,6 +54,12 @@ class MatchController {
 
  private:
   struct Attempt;
+  void beginStream();
+  /// Starts the match of a new frame of the stream.
+  void followStream();
+  /// @param why  for the user; empty: the user ends it
+  void endStream(const std::string &why);
+  void onFrameMatched(const Attempt &attempt);
   using SharedAttempt = std::shared_ptr<Attempt>;
   void open();
   void close();
@@ -90,6 +97,7 @@ class MatchController {
   Parts parts_;
   std::optional<ui::MatchPanel> panel_;
   MatchPresenter presenter_;
+  std::optional<MatchStream> stream_;
   SharedAttempt attempt_;         ///< that is running; null: none
   Handle job_;                    ///< of it; null: its data are being read from the simulation
   bool showsMotion_ = false;      ///< the presenter shows the points of the running match

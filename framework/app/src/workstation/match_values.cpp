@@ -10,8 +10,10 @@
 namespace c3de::app {
 namespace {
 
-constexpr std::pair<ui::MatchSource, const char *> kSources[] = {
-    {ui::MatchSource::points, "points"}, {ui::MatchSource::surface, "surface"}, {ui::MatchSource::labels, "labels"}};
+constexpr std::pair<ui::MatchSource, const char *> kSources[] = {{ui::MatchSource::points, "points"},
+                                                                 {ui::MatchSource::surface, "surface"},
+                                                                 {ui::MatchSource::labels, "labels"},
+                                                                 {ui::MatchSource::stream, "stream"}};
 
 std::string savedPath(const std::filesystem::path &file) {
   std::error_code failed;
@@ -65,6 +67,7 @@ SavedMatch savedOf(const ui::MatchForm &form) {
   out.time = wanted.labels.time;
   out.landmarks = savedPath(wanted.landmarks);
   out.label = form.label;
+  out.server = form.server;
   for (const auto &[source, name] : kSources)
     if (form.source == source) out.source = name;
   if (wanted.unit) out.unit = geometry::unitName(*wanted.unit);
@@ -86,6 +89,7 @@ ui::MatchForm formOf(const SavedMatch &saved, const std::filesystem::path &folde
   wanted.labels.time = static_cast<std::size_t>(saved.time);
   wanted.landmarks = foundPath(saved.landmarks, folder);
   out.label = saved.label;
+  if (!saved.server.empty()) out.server = saved.server;
   for (const auto &[source, name] : kSources)
     if (saved.source == name) out.source = source;
   if (!saved.unit.empty())

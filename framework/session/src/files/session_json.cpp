@@ -303,6 +303,7 @@ void readMatch(Json object, ParsedSession &out, std::string &error) {
   keys.text("labels", match.labels);
   keys.text("landmarks", match.landmarks);
   keys.text("source", match.source);
+  keys.text("server", match.server);
   keys.text("label", match.label);
   keys.count("time", match.time);
   keys.text("unit", match.unit);
@@ -311,8 +312,8 @@ void readMatch(Json object, ParsedSession &out, std::string &error) {
   keys.flag("fit", match.fitsLandmarks);
   keys.flag("rigid_first", match.isRigidFirst);
   keys.flag("deform", match.deforms);
-  if (match.source != "points" && match.source != "surface" && match.source != "labels")
-    keys.refuse(fmt::format("the key view.match.source is '{}'; accepted: points, surface, labels",
+  if (match.source != "points" && match.source != "surface" && match.source != "labels" && match.source != "stream")
+    keys.refuse(fmt::format("the key view.match.source is '{}'; accepted: points, surface, labels, stream",
                             displayMessage(match.source)));
   if (!match.unit.empty() && match.unit != "m" && match.unit != "mm" && match.unit != "cm")
     keys.refuse(fmt::format("the key view.match.unit is '{}'; accepted: m, mm, cm", displayMessage(match.unit)));
@@ -425,7 +426,8 @@ Json viewJson(const SessionView &view) {
                                      {"deform", match.deforms}};
     for (const auto &[key, text] :
          {std::pair("points", &match.points), std::pair("surface", &match.surface), std::pair("labels", &match.labels),
-          std::pair("landmarks", &match.landmarks), std::pair("label", &match.label), std::pair("unit", &match.unit)})
+          std::pair("landmarks", &match.landmarks), std::pair("label", &match.label), std::pair("unit", &match.unit),
+          std::pair("server", &match.server)})
       if (!text->empty()) out[key] = *text;
     if (match.time != 0) out["time"] = match.time;
   }

@@ -33,6 +33,35 @@ Expected<RigidMatch> matchAt(const Mat4 &motion, const geometry::TriangleMesh &s
 
 }  // namespace
 
+Expected<FrameMatch> matchPoints(c3de_object *simulator, const std::string &name, const geometry::TriangleMesh &skin,
+                                 const MatchTargets &targets, const std::vector<Landmark> &landmarks,
+                                 const scene::SceneMatch &wanted, const std::optional<Mat4> &motionBefore,
+                                 const char *owner, const std::function<std::string()> &takeError, ThreadPool *pool,
+                                 const ProgressFn &progress) {
+  // Fewer points do not determine a motion, so the search refuses them.
+  if (motionBefore && targets.surface.points_mm.size() < registration::kFewestSurfacePoints)
+    return matchPoints(simulator, name, skin, targets, landmarks, wanted, std::nullopt, owner, takeError, pool,
+                       progress);
+  const auto begin = std::chrono::steady_clock::now();
+  auto rigid = motionBefore ? matchAt(*motionBefore, skin, targets, landmarks, wanted, pool)
+                            : findMotion(skin, targets, landmarks, wanted, pool, progress);
+  if (!rigid) return tl::unexpected(rigid.error());
+  FrameMatch out;
+  out.rigid = std::move(*rigid);
+  if (wanted.deforms && out.rigid.isUsable()) {
+    auto elastic = deformBody(simulator, name, out.rigid, targets, landmarks, wanted, owner, takeError, progress,
+                              {.continuesLast = motionBefore.has_value()});
+    if (!elastic) return tl::unexpected(elastic.error());
+    out.elastic = std::move(*elastic);
+  }
+  // The motion of the frame before is no result without a deformation: it is sought anew.
+  if (motionBefore && !out.elastic.body)
+    return matchPoints(simulator, name, skin, targets, landmarks, wanted, std::nullopt, owner, takeError, pool,
+                       progress);
+  out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return out;
+}
+
 Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                                 const std::string &name, const geometry::TriangleMesh &skin,
                                 const FrameRequest &request, const ProgressFn &progress) {
@@ -45,29 +74,13 @@ Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const 
       session.changes(), [&] { return landmarksOfBody(simulator, scene, request.landmarks, wanted, name, takeError); });
   if (!landmarks) return tl::unexpected(landmarks.error());
   wanted.fitsLandmarks = areFitted && !landmarks->empty();
-  ThreadPool *const pool = &session.pool();
-  const bool continues = request.measuredFromBodyBefore.has_value();
-  auto rigid = continues ? matchAt(*request.measuredFromBodyBefore, skin, request.targets, *landmarks, wanted, pool)
-                         : findMotion(skin, request.targets, *landmarks, wanted, pool, progress);
-  if (!rigid) return tl::unexpected(rigid.error());
-  FrameMatch out;
-  out.rigid = std::move(*rigid);
-  if (wanted.deforms && out.rigid.isUsable()) {
-    auto elastic = deformBody(simulator, name, out.rigid, request.targets, *landmarks, wanted,
-                              session.plugins().ownerOf(simulator), takeError, progress, {.continuesLast = continues});
-    if (!elastic) return tl::unexpected(elastic.error());
-    out.elastic = std::move(*elastic);
-  }
-  // The motion of the frame before is no result without a deformation: it is sought anew.
-  if (continues && !out.elastic.body) {
-    FrameRequest anew = request;
-    anew.measuredFromBodyBefore.reset();
-    return matchFrame(session, simulator, scene, name, skin, anew, progress);
-  }
+  auto out = matchPoints(simulator, name, skin, request.targets, *landmarks, wanted, request.measuredFromBodyBefore,
+                         session.plugins().ownerOf(simulator), takeError, &session.pool(), progress);
+  if (!out) return out;
   const auto measured = unrecorded(
-      session.changes(), [&] { return measureLandmarks(simulator, *landmarks, out.rigid, takeError, out.elastic); });
+      session.changes(), [&] { return measureLandmarks(simulator, *landmarks, out->rigid, takeError, out->elastic); });
   if (!measured) return tl::unexpected(measured.error());
-  out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  out->wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
 

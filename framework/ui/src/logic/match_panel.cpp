@@ -22,7 +22,7 @@ scene::SceneMatch MatchForm::match() const {
   if (source != MatchSource::points) out.points.clear();
   if (source != MatchSource::surface) out.surface.clear();
   if (source != MatchSource::labels) out.labels = {};
-  if (source == MatchSource::labels) out.unit.reset();
+  if (source == MatchSource::labels || source == MatchSource::stream) out.unit.reset();
   return out;
 }
 
@@ -31,6 +31,7 @@ std::string MatchForm::whyNot() const {
   if (source == MatchSource::surface && wanted.surface.empty()) return "Choose the file of the measured surface.";
   if (source == MatchSource::labels && wanted.labels.file.empty()) return "Choose a label map.";
   if (source == MatchSource::labels && label.empty()) return "State the label, by its number or its name.";
+  if (source == MatchSource::stream && server.empty()) return "State the address of the tracking system.";
   if (!wanted.isRigidFirst && !wanted.deforms)
     return "Without rigid motion and deformation nothing is found. Choose one of them, or both.";
   if (wanted.body.empty()) return "Choose the body that was measured.";
@@ -71,7 +72,7 @@ void MatchPanel::draw(const c3de_ui_v1 &ui) {
   drawLandmarks(ui);
   drawMotion(ui);
   drawButtons(ui, view);
-  if (view.result != nullptr) drawResult(ui, *view.result, !view.progress);
+  if (view.result != nullptr) drawResult(ui, *view.result, !view.progress && view.stream.empty());
 }
 
 void MatchPanel::fileRow(const c3de_ui_v1 &ui, const char *id, const char *label, const std::string &extensions,
@@ -97,8 +98,10 @@ void MatchPanel::drawMeasured(const c3de_ui_v1 &ui, const MatchView &view) {
     row(ui, "Body", wanted.body.empty() ? "none" : wanted.body);
   }
   auto source = static_cast<std::uint32_t>(form_.source);
-  choice(ui, "source", "Measured", source, {"points", "surface", "label"});
-  tooltip(ui, "Points on the surface, a surface or a part of it, or the surface of a label of a label map");
+  choice(ui, "source", "Measured", source, {"points", "surface", "label", "points of a tracking system"});
+  tooltip(ui,
+          "Points on the surface, a surface or a part of it, the surface of a label of a label map, or points that "
+          "a tracking system sends");
   form_.source = static_cast<MatchSource>(source);
   if (form_.source == MatchSource::points)
     fileRow(ui, "points", "Points…", kPointExtensions,
@@ -108,7 +111,12 @@ void MatchPanel::drawMeasured(const c3de_ui_v1 &ui, const MatchView &view) {
     fileRow(ui, "surface", "Surface…", view.meshExtensions, "The whole surface of the body, or a part of it", surface_,
             wanted.surface);
   if (form_.source == MatchSource::labels) drawLabels(ui, view);
-  if (form_.source != MatchSource::labels) {
+  if (form_.source == MatchSource::stream) {
+    inputText(ui, "server", "Server", form_.server);
+    tooltip(ui,
+            "HOST or HOST:PORT of an OpenIGTLink server. Each POINT message is matched; points with the name of a "
+            "landmark of Measurements are that landmark");
+  } else if (form_.source != MatchSource::labels) {
     static constexpr std::array<geometry::LengthUnit, 3> kUnits{
         geometry::LengthUnit::millimetre, geometry::LengthUnit::centimetre, geometry::LengthUnit::metre};
     const auto found =
@@ -149,6 +157,18 @@ void MatchPanel::drawLabels(const c3de_ui_v1 &ui, const MatchView &view) {
 
 void MatchPanel::drawLandmarks(const c3de_ui_v1 &ui) {
   scene::SceneMatch &wanted = form_.wanted;
+  if (form_.source != MatchSource::stream) drawTargetFile(ui);
+  std::uint32_t use = wanted.fitsLandmarks ? 1 : 0;
+  choice(ui, "use", "Landmarks", use, {"judge the result", "are fitted"});
+  tooltip(ui, "Landmarks that judge the result are not fitted, so that they measure its error");
+  wanted.fitsLandmarks = use == 1;
+  if (wanted.fitsLandmarks)
+    slider(ui, "weight", "Weight", "points", wanted.landmarkWeight, 1.0, kMostWeight,
+           "Measured points that one landmark counts as in the search for the rigid motion");
+}
+
+void MatchPanel::drawTargetFile(const c3de_ui_v1 &ui) {
+  scene::SceneMatch &wanted = form_.wanted;
   fileRow(ui, "landmarks", "Target landmarks…", kPointExtensions,
           "Where landmarks of Measurements with the same names were measured. Without a file: the targets of the "
           "landmarks, if they have any",
@@ -157,13 +177,6 @@ void MatchPanel::drawLandmarks(const c3de_ui_v1 &ui) {
     wanted.landmarks.clear();
     landmarks_ = {};
   }
-  std::uint32_t use = wanted.fitsLandmarks ? 1 : 0;
-  choice(ui, "use", "Landmarks", use, {"judge the result", "are fitted"});
-  tooltip(ui, "Landmarks that judge the result are not fitted, so that they measure its error");
-  wanted.fitsLandmarks = use == 1;
-  if (wanted.fitsLandmarks)
-    slider(ui, "weight", "Weight", "points", wanted.landmarkWeight, 1.0, kMostWeight,
-           "Measured points that one landmark counts as in the search for the rigid motion");
 }
 
 void MatchPanel::drawMotion(const c3de_ui_v1 &ui) {
@@ -175,6 +188,12 @@ void MatchPanel::drawMotion(const c3de_ui_v1 &ui) {
 }
 
 void MatchPanel::drawButtons(const c3de_ui_v1 &ui, const MatchView &view) {
+  if (!view.stream.empty()) {
+    row(ui, "Stream", view.stream);
+    if (button(ui, "cancel", "Stop")) actions_.cancel();
+    tooltip(ui, "Disconnects; the body keeps the shape of the last frame that was matched");
+    return;
+  }
   if (view.progress) {
     ui.progress(ui.ctx, view.progress->first, toAbi(view.progress->second));
     if (button(ui, "cancel", "Cancel", !view.isCancelling)) actions_.cancel();

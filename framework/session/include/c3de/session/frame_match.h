@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,5 +42,16 @@ struct FrameMatch {
 [[nodiscard]] Expected<FrameMatch> matchFrame(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                                               const std::string &name, const geometry::TriangleMesh &skin,
                                               const FrameRequest &request, const ProgressFn &progress);
+
+/// The part of matchFrame() for any thread, without the landmarks after the deformation.
+/// @param landmarks     of this body, with targets
+/// @param motionBefore  FrameRequest::measuredFromBodyBefore
+/// @param owner         plugin of the simulator
+[[nodiscard]] Expected<FrameMatch> matchPoints(c3de_object *simulator, const std::string &name,
+                                               const geometry::TriangleMesh &skin, const MatchTargets &targets,
+                                               const std::vector<Landmark> &landmarks, const scene::SceneMatch &wanted,
+                                               const std::optional<Mat4> &motionBefore, const char *owner,
+                                               const std::function<std::string()> &takeError, ThreadPool *pool,
+                                               const ProgressFn &progress);
 
 }  // namespace c3de::session

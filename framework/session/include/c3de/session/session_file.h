@@ -82,7 +82,8 @@ struct SavedMatch {
   std::string body;
   std::string points, surface, labels, landmarks;  ///< absolute paths; empty: none
   std::uint64_t time = 0;                          ///< time point of the label map, from 0
-  std::string source = "points";                   ///< which of the first three: "points", "surface" or "labels"
+  std::string source = "points";                   ///< "points", "surface", "labels" or "stream"
+  std::string server;                              ///< address of a tracking system; empty: none
   std::string label;                               ///< number or name
   std::string unit;              ///< of points and surface: "m", "mm" or "cm"; empty: that of the file
   double noise_mm = 1.0;         ///< above 0: standard deviation of the measurement

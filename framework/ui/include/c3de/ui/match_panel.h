@@ -16,13 +16,14 @@
 
 namespace c3de::ui {
 
-enum class MatchSource { points, surface, labels };
+enum class MatchSource { points, surface, labels, stream };
 
 /// What is to be matched, and how.
 struct MatchForm {
   scene::SceneMatch wanted;  ///< the files of all sources
   MatchSource source = MatchSource::points;
-  std::string label;  ///< number or name
+  std::string label;                       ///< number or name
+  std::string server = "localhost:18944";  ///< address of a tracking system, for a stream
   /// With the file of the chosen source only. The label is still a text.
   [[nodiscard]] scene::SceneMatch match() const;
   /// Why no match can begin, as a sentence; empty: one can.
@@ -57,6 +58,7 @@ struct MatchView {
   std::string whyNot;                   ///< why no match can begin now, besides the form; empty: one can
   std::optional<std::pair<double, std::string>> progress;  ///< fraction and activity; none: no match is running
   bool isCancelling = false;
+  std::string stream;                  ///< state of the running stream, as a clause; empty: none is running
   const MatchTexts *result = nullptr;  ///< null: none
 };
 
@@ -66,7 +68,7 @@ class MatchPanel {
  public:
   struct Actions {
     std::function<MatchView()> view;
-    std::function<void()> begin, cancel;
+    std::function<void()> begin, cancel;  ///< cancel: the match, or the stream
     std::function<void(std::size_t candidate)> show, deform;
     std::function<void()> close;  ///< must not destroy the panel at once
   };
@@ -88,6 +90,7 @@ class MatchPanel {
   void drawMeasured(const c3de_ui_v1 &ui, const MatchView &view);
   void drawLabels(const c3de_ui_v1 &ui, const MatchView &view);
   void drawLandmarks(const c3de_ui_v1 &ui);
+  void drawTargetFile(const c3de_ui_v1 &ui);
   void drawMotion(const c3de_ui_v1 &ui);
   void drawButtons(const c3de_ui_v1 &ui, const MatchView &view);
   void drawResult(const c3de_ui_v1 &ui, const MatchTexts &result, bool canMatch);
