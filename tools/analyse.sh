@@ -24,7 +24,7 @@ windows_compiler=x86_64-w64-mingw32-g++-posix
 portable_headers="CLI Eigen assimp catch2 ccd epoxy fcl fmt gdcm-3.0 hwy imgui meshoptimizer.h minizip nanoflann.hpp nlohmann octomap
   spdlog stb tl tiny_obj_loader.h toml++ zlib.h GLFW"
 # Headers that are not portable, as patterns: a file that includes one is not looked at, which is said.
-foreign_headers='epoxy/wgl[.]h|itk.*|openssl/.*'
+foreign_headers='epoxy/wgl[.]h|igtl.*|itk.*|openssl/.*'
 
 # Sources of the build as paths below the root; of those that cmake takes for one system only, the ones for $1 (posix, win32).
 sources_for() {

@@ -102,6 +102,7 @@ instead() {
       reason="the tests 'sdk: …' do the same" ;;
     'PREFIX/bin/c3de --plugin heart_beat/'* | *' my_plugins/'*) reason="needs the build that is looked at above" ;;
     *' study '*) reason="takes minutes; test_cli runs cuts of the shipped studies" ;;
+    *' --stream '*) reason="needs a tracking system; test_match has one" ;;
     *brain_shift.toml*) reason="takes minutes" ;;
     *'python3 docs/gallery/'*) reason="needs matplotlib; test_embed runs the scripts" ;;
     *abdomen.toml* | *dicom_folder*) reason="a scan of the reader" ;;

@@ -3,7 +3,7 @@ cmake_minimum_required(VERSION 3.25)
 # port there is looked for. The table has the names of CMake packages whose port has another one.
 set(ports_of
   "Eigen3 eigen3" "nlohmann_json nlohmann-json" "CLI11 cli11" "hwy highway" "ZLIB zlib" "OpenSSL openssl" "OpenGL opengl" "Catch2 catch2"
-  "GDCM gdcm" "unofficial-minizip minizip" "MPI openmpi" "ITK itk" "TBB tbb" "Bullet bullet3")
+  "GDCM gdcm" "OpenIGTLink openigtlink" "unofficial-minizip minizip" "MPI openmpi" "ITK itk" "TBB tbb" "Bullet bullet3")
 # Parts of CMake or of the system, and the SDK itself; pkg-config finds libraries where they have no CMake package.
 set(of_no_port Threads PkgConfig)
 # Found by their headers.

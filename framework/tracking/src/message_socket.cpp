@@ -62,7 +62,7 @@ class SilentSocket : public igtl::ClientSocket {
 
 class IgtlSocket : public MessageSocket {
  public:
-  explicit IgtlSocket(SilentSocket::Pointer socket) : socket_(std::move(socket)) {
+  explicit IgtlSocket(const SilentSocket::Pointer &socket) : socket_(socket) {
     socket_->SetReceiveTimeout(kWait_ms);
     socket_->SetSendTimeout(kSendTimeout_ms);
   }
@@ -150,9 +150,9 @@ class IgtlSocket : public MessageSocket {
 bool MessageSocket::isAvailable() { return true; }
 
 std::unique_ptr<MessageSocket> MessageSocket::connectTo(const TrackingAddress &address) {
-  SilentSocket::Pointer socket = SilentSocket::New();
+  const SilentSocket::Pointer socket = SilentSocket::New();
   if (!socket->connectTo(address)) return nullptr;
-  return std::make_unique<IgtlSocket>(std::move(socket));
+  return std::make_unique<IgtlSocket>(socket);
 }
 
 Bytes packedTransform(const std::string &device, const Mat4 &motion) {

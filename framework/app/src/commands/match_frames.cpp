@@ -143,7 +143,7 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
     auto frame = source.next(progress);
     const auto end = [&](ErrorCode code, const std::string &where, const std::string &why) {
       out.code = code;
-      out.failure = where + ": " + why;
+      out.failure = fmt::format("{}: {}", where, why);
       return out;
     };
     if (!frame) return end(frame.error().code, fmt::format("frame {}", number), frame.error().message);
@@ -155,7 +155,7 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
     const ProgressFn part = [&](double fraction, const std::string &what) {
       const double done = static_cast<double>(number - 1) + std::max(fraction, 0.0);
       return progress(out.planned ? done / static_cast<double>(*out.planned) : -1.0,
-                      "frame " + measured.name + ": " + what);
+                      fmt::format("frame {}: {}", measured.name, what));
     };
     auto match = matchFrame(session, simulator, scene, name, skin, request, part);
     if (!match && match.error().code == ErrorCode::cancelled) {
@@ -166,7 +166,7 @@ Expected<Sequence> matchAll(Session &session, c3de_object *simulator, const scen
                                           : "frame " + measured.name;
     if (const std::string why = match ? failureOfFrame(*match) : match.error().message;
         !why.empty() && source.isLive() && (match || match.error().code == ErrorCode::input)) {
-      log(LogLevel::warn, where + ": " + why + "; it is left out");
+      log(LogLevel::warn, fmt::format("{}: {}; it is left out", where, why));
       ++out.unmatched;
       request.measuredFromBodyBefore.reset();
       continue;
@@ -252,7 +252,7 @@ Expected<Sequence> run(const MatchOptions &options, Session &session, WrittenOut
   still.quiet = options.run.quiet;
   HeadlessRun atRest(session, simulator, built->table, still, {}, outputs, beginning->source);
   if (const auto ran = atRest.run(); !ran) return tl::unexpected(ran.error());
-  if (!options.stream.empty()) source = measuredStream(options, {session, *scene, *wanted, *built, sources, name});
+  if (!options.stream.empty()) source = measuredStream(options, {session, *scene, *built, sources, name});
   if (!source) return tl::unexpected(source.error());
   std::optional<SimulationExport> timeline;
   if (!options.run.exportList.empty()) timeline.emplace(options.run.exportList);

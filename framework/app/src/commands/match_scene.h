@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app.h"
 #include "c3de/session/run_options.h"
 
 namespace c3de::app {

@@ -47,7 +47,6 @@ class MeasuredSource {
 struct StreamContext {
   session::Session &session;
   const scene::SceneFile &scene;
-  const scene::SceneMatch &wanted;
   const struct SceneAtRest &built;
   session::BodySources &sources;
   std::string body;  ///< its name in the simulator

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "app.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/session.h"

@@ -26,6 +26,7 @@ void sendMatch(tracking::TrackingLink &link, const Mat4 &measuredFromBody,
                const std::vector<session::MeasuredLandmark> &landmarks) {
   link.sendTransform(kMotionMessage, measuredFromBody);
   std::vector<tracking::TrackedPoint> points;
+  points.reserve(landmarks.size());
   for (const session::MeasuredLandmark &one : landmarks)
     points.push_back({one.landmark.name, transformPoint(measuredFromBody, one.position_mm)});
   if (!points.empty()) link.sendPoints(kLandmarksMessage, points);

@@ -93,7 +93,7 @@ struct MatchController::Attempt {
   }
   /// [sim]
   [[nodiscard]] Expected<void> readExpected(c3de_object *simulator, const std::function<std::string()> &takeError) {
-    if (const auto good = findBodies(simulator, sceneOrNone(), allLandmarks, takeError); !good) return good;
+    if (auto good = findBodies(simulator, sceneOrNone(), allLandmarks, takeError); !good) return good;
     std::erase_if(allLandmarks, [this](const Landmark &one) { return !one.body.empty() && one.body != wanted.body; });
     auto measured = measure(simulator, {}, allLandmarks, takeError);
     if (!measured) return tl::unexpected(measured.error());
@@ -110,7 +110,7 @@ struct MatchController::Attempt {
       return fail(ErrorCode::state, "the body has another surface than at the beginning");
     skins.present = std::move(found->present);
     if (isStreamed)
-      if (const auto good = readExpected(simulator, takeError); !good) return good;
+      if (auto good = readExpected(simulator, takeError); !good) return good;
     return measureLandmarks(simulator, landmarks, *rigid, takeError, elastic);
   }
   [[nodiscard]] Expected<void> matchFrameOfStream(Session &session, c3de_object *simulator, const char *owner,
@@ -216,6 +216,9 @@ void MatchController::forgetResult() {
 void MatchController::onReplaced() {
   if (!job_.isNull()) parts_.session.jobs().cancel(std::exchange(job_, {}));
   attempt_.reset();
+  if (stream_)
+    parts_.panels.notify(C3DE_LOG_INFO, "The stream of the tracking system has ended",
+                         "Another simulation is the present one.", {}, registry::About::simulation);
   stream_.reset();
   forgetResult();
   bodies_.clear();

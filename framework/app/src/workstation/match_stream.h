@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app.h"
 #include "c3de/session/frame_match.h"
 #include "c3de/session/measurements.h"
 #include "c3de/tracking/tracking_link.h"
