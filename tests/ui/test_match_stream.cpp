@@ -92,6 +92,23 @@ TEST_CASE("the organ follows a tracking system until it is stopped, as one step 
   window.key("ctrl+z");
   C3DE_WAIT(window, "the body is as before the stream", row(s, "State hash") == before);
 
+  // Undo opens the simulation again. Stopped at once, whatever has begun, and connected again.
+  const auto connect = [&] {
+    window.click("match/match");
+    REQUIRE(server.accept(60.0));
+    REQUIRE(server.send(frame(1.0)));
+  };
+  server.disconnect();
+  connect();
+  window.click("match/cancel");
+  C3DE_WAIT(window, "it has stopped", s["jobs"].empty() && s["widgets"].contains("match/match"));
+  server.disconnect();
+  connect();
+  REQUIRE(server.receive("TRANSFORM", 120.0));
+  C3DE_WAIT(window, "it follows", textOf(s, "match/Stream").find("1 matched") != std::string::npos);
+  window.click("match/cancel");
+  C3DE_WAIT(window, "it has stopped again", s["widgets"].contains("match/match"));
+
   // An address that is none.
   window.click("match/server");
   window.key("ctrl+a");

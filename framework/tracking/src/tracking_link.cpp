@@ -128,7 +128,7 @@ struct TrackingLink::Connection {
 std::string textOf(const LinkStatus &status) {
   std::string text;
   switch (status.state) {
-    case LinkState::connecting: text = "connecting"; break;
+    case LinkState::connecting: text = fmt::format("connecting for {:.0f} s", status.silence_s); break;
     case LinkState::receiving: text = "connected"; break;
     case LinkState::silent: text = fmt::format("no points for {:.1f} s", status.silence_s); break;
     case LinkState::lost: text = fmt::format("not connected for {:.1f} s: {}", status.silence_s, status.reason); break;

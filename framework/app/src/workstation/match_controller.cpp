@@ -58,6 +58,7 @@ struct MatchController::Attempt {
   ElasticMatch elastic;
   std::uint64_t capture = 0;                        ///< of the state before it; 0: none
   bool isStreamed = false;                          ///< `targets` are a frame of a stream
+  bool isStopped = false;                           ///< its stream has ended
   std::optional<Mat4> motionBefore;                 ///< of the frame before, from which it starts
   std::vector<Landmark> allLandmarks;               ///< of a streamed match: those without targets as well
   std::vector<session::MeasuredLandmark> expected;  ///< of these, those of the body, after the match
@@ -332,7 +333,13 @@ void MatchController::endStream(const std::string &why) {
   if (!stream_) return;
   if (!why.empty()) parts_.failed("The stream of the tracking system has ended", {ErrorCode::state, why});
   stream_.reset();
-  if (attempt_ && !attempt_->isMatched && !job_.isNull()) parts_.session.jobs().cancel(job_);
+  if (!attempt_) return;
+  attempt_->isStopped = true;
+  if (attempt_->isMatched) return;
+  if (job_.isNull())
+    attempt_.reset();  // what is being read or stored for it is not used
+  else
+    parts_.session.jobs().cancel(job_);
 }
 
 void MatchController::begin() {
@@ -386,7 +393,7 @@ void MatchController::onRead(const SharedAttempt &attempt) {
   if (attempt != attempt_) return;
   if (!attempt->read) return end(attempt, attempt->read.error());
   // All frames of a stream are one step of undo.
-  if (attempt->isStreamed && stream_ && stream_->canUndo) return submit(attempt);
+  if (attempt->isStreamed && stream_->canUndo) return submit(attempt);
   parts_.history.captureBefore(unlessDestroyed([this, attempt](std::uint64_t capture) {
     attempt->capture = capture;
     submit(attempt);
@@ -416,9 +423,9 @@ void MatchController::onMatched(const SharedAttempt &attempt, const Expected<voi
   if (!result) return end(attempt, result.error());
   attempt->isMatched = true;
   const std::string label = "match " + attempt->wanted.body;
-  const bool hasStep = attempt->isStreamed && stream_ && stream_->canUndo;
+  const bool hasStep = attempt->isStreamed && attempt->capture == 0;
   const bool isAdded = attempt->elastic.body && !hasStep && parts_.history.addCaptured(attempt->capture, label);
-  if (attempt->isStreamed && stream_ && attempt->elastic.body) stream_->canUndo = true;
+  if (attempt->isStreamed && !attempt->isStopped && attempt->elastic.body) stream_->canUndo = true;
   if (attempt->elastic.body && !hasStep && !isAdded)
     parts_.panels.notify(C3DE_LOG_WARN, "This cannot be undone: " + label,
                          "Another change was made while the body was matched.", {}, registry::About::simulation);
@@ -434,6 +441,7 @@ void MatchController::onMatched(const SharedAttempt &attempt, const Expected<voi
 void MatchController::onMeasured(const SharedAttempt &attempt) {
   if (attempt != attempt_) return;
   attempt_.reset();
+  if (attempt->isStopped && !panel_) return;
   result_ = attempt;
   const RigidMatch &rigid = *attempt->rigid;
   texts_ = textsOf(attempt->targets, rigid, attempt->elastic, attempt->chosen);
@@ -454,7 +462,7 @@ void MatchController::onMeasured(const SharedAttempt &attempt) {
 }
 
 void MatchController::onFrameMatched(const Attempt &attempt) {
-  if (!stream_) return;
+  if (attempt.isStopped) return;
   if (!attempt.read) return endStream(attempt.read.error().message);
   if (!attempt.rigid->isUsable()) return stream_->onFailed(failureOf(*attempt.rigid));
   session::FrameMatch match;
@@ -467,10 +475,8 @@ void MatchController::onFrameMatched(const Attempt &attempt) {
 void MatchController::end(const SharedAttempt &attempt, const Error &error) {
   attempt_.reset();
   job_ = {};
-  if (attempt->isStreamed && (!stream_ || error.code == ErrorCode::input)) {
-    if (stream_) stream_->onFailed(error.message);
-    return;
-  }
+  if (attempt->isStopped) return;
+  if (attempt->isStreamed && error.code == ErrorCode::input) return stream_->onFailed(error.message);
   if (attempt->isStreamed) stream_.reset();
   if (showsMotion_) {
     if (result_)

@@ -40,7 +40,7 @@ inline constexpr double kSilence_s = 1.0;
 struct LinkStatus {
   LinkState state = LinkState::connecting;
   std::string reason;          ///< why it is lost; otherwise empty
-  double silence_s = 0.0;      ///< since the last points, or the connection, or its loss
+  double silence_s = 0.0;      ///< since the last points, the connection, its loss, or the beginning
   std::uint64_t received = 0;  ///< frames
   std::uint64_t replaced = 0;  ///< frames that a newer one replaced before they were taken
   std::uint64_t refused = 0;   ///< messages with a wrong checksum, or with points that are not finite
