@@ -18,6 +18,15 @@ TEST_CASE("info tells what a mesh is, for people and for programs") {
   CHECK(parsed.at("fillable") == true);
 }
 
+TEST_CASE("a path that begins with slashes is no option") {
+  std::string mesh = (std::filesystem::path(testResourcesFolder()) / "meshes/organ.obj").generic_string();
+  mesh = mesh.substr(mesh.find('/'));  // without a drive: of the present one
+  const auto result = runC3de({"info", mesh});
+  INFO(result.errorOutput);
+  CHECK(result.exitCode == 0);
+  CHECK_THAT(result.output, Contains("2646"));
+}
+
 TEST_CASE("info goes on after a file that is refused, and ends with 3") {
   const auto folder = freshFolder("info-several");
   const auto good = writeFile(folder / "box.obj", boxObj());

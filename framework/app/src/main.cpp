@@ -56,6 +56,7 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
       "Workstation for medical images that hosts simulation plugins.\n"
       "Without a command: open the workstation on FILES, or on its start page.",
       "c3de");
+  app.allow_windows_style_options(false);  // "/scans/a.nii" and "//server/share/a.nii" are paths
   app.set_help_flag("-h,--help", "Show this help");
   app.require_subcommand(0, 1);
   std::map<const CLI::App *, Handler> handlers{{&app, declareWorkstation(app, line)}};

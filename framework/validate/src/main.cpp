@@ -252,6 +252,7 @@ int main(int argc, char **argv) {
       "Checks C3DE plugins: the file, its descriptor, its lifecycle, and what it registers, each check in its own "
       "process.\nExit code: 0 if no check fails, 1 if one fails, 2 for a usage error.",
       "c3de-validate");
+  app.allow_windows_style_options(false);  // a path may begin with a slash
   app.set_help_flag("-h,--help", "Show this help");
   app.add_option("PLUGINS", options.files, "Files of plugins");
   app.add_option("--with", options.companions, "A plugin that they need, loaded before them (repeatable)")
