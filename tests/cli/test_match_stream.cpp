@@ -166,6 +166,55 @@ TEST_CASE("A slice of the deformed image is sent at its measured place") {
   CHECK(valueAt(56, 40) > -200.0f);
 }
 
+TEST_CASE(
+    "The surface is measured by the tip of a tracked tool, and each frame is matched while the next is collected") {
+  const fs::path folder = freshFolder("match_stream_tool");
+  TrackingServer server;
+  std::optional<WireMessage> first, second;
+  std::thread tracker([&] {
+    if (!server.accept(120.0)) return;
+    const auto sweep = [&](double x_mm) {
+      for (const auto &[name, at] : pointsAt(x_mm)) {
+        server.send(packedWire({"TRANSFORM", "Needle", transformBody({at[0] + 90.0f, at[1], at[2]})}, 1000));
+        server.send(packedWire({"TRANSFORM", "Stylus", transformBody(at)}, 1001));
+      }
+    };
+    sweep(0.0);
+    first = server.receive("TRANSFORM", 120.0);
+    sweep(5.0);
+    second = server.receive("TRANSFORM", 120.0);
+  });
+  const auto result =
+      runC3de({"match", organScene(), "--stream", server.address(), "--stream-frames", "2", "--stream-tool", "Stylus",
+               "--stream-tool-points", "300", "--report", (folder / "report.json").string()});
+  tracker.join();
+  INFO(result.errorOutput << result.output);
+  REQUIRE(result.exitCode == 0);
+  REQUIRE(first);
+  REQUIRE(second);
+  const json match = readJson(folder / "report.json")["match"];
+  REQUIRE(match["frames"].size() == 2);
+  CHECK(match["frames"][0]["points"] == 300);
+  CHECK(match["frames"][0]["verdict"] == "found");
+  // The remaining points of the first sweep begin the second frame.
+  CHECK(match["stream"]["received"].get<int>() >= 2);
+}
+
+TEST_CASE("A tool that is not tracked is reported with those that are") {
+  TrackingServer server;
+  std::thread tracker([&] {
+    if (!server.accept(120.0)) return;
+    server.send(packedWire({"TRANSFORM", "Stylus", transformBody({1.0f, 2.0f, 3.0f})}));
+    server.receive("TRANSFORM", 10.0);  // until the connection ends
+  });
+  const auto result = runC3de(
+      {"match", organScene(), "--stream", server.address(), "--stream-timeout", "2", "--stream-tool", "Styles"});
+  tracker.join();
+  CHECK(result.exitCode == 3);
+  CHECK_THAT(result.errorOutput, Contains("no points for 2") && Contains("0 of 200 points of tool 'Styles'") &&
+                                     Contains("tracked tools: Stylus"));
+}
+
 TEST_CASE("A stream that is lost ends the match with what was matched, and is reported at once") {
   const fs::path folder = freshFolder("match_stream_lost");
   TrackingServer server;
@@ -198,5 +247,9 @@ TEST_CASE("Options of a stream without effect, and wrong addresses, are refused"
   CHECK_THAT(refusal({"--stream", "localhost", "--frames", "x.csv"}), Contains("excludes"));
   CHECK_THAT(refusal({"--stream", "localhost", "--stream-slice"}), Contains("the scene has no image"));
   CHECK_THAT(refusal({"--stream", "localhost", "--use", "fit"}), Contains("landmarks"));
+  CHECK_THAT(refusal({"--stream-tool", "Stylus"}), Contains("--stream"));
+  CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool-points", "100"}), Contains("--stream-tool"));
+  CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool", "Stylus", "--stream-tool-points", "11"}),
+             Contains("12") && Contains("100000"));
   CHECK_THAT(refusal({"--frame-table", "t.csv", "--points", "p.csv"}), Contains("with --frames or --stream"));
 }

@@ -16,6 +16,10 @@ struct WireMessage {
 /// A message with its header and checksum, protocol version 1.
 /// @param seconds  time stamp; 0: none
 std::string packedWire(const WireMessage &message, std::uint32_t seconds = 0);
+/// The same with an extended header and metadata, protocol version 3, whose headers have the number 2.
+std::string packedExtendedWire(const WireMessage &message);
+/// Body of a TRANSFORM message without rotation, RAS mm.
+std::string transformBody(const std::array<float, 3> &at);
 /// Body of a POINT message. @param points  name and position, RAS mm
 std::string pointBody(const std::vector<std::pair<std::string, std::array<float, 3>>> &points);
 

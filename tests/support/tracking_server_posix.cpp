@@ -44,11 +44,33 @@ std::string textAt(const std::string &bytes, std::size_t offset, std::size_t cou
   return text.substr(0, text.find('\0'));
 }
 
+std::string packedHeader(unsigned version, const WireMessage &message, std::uint32_t seconds) {
+  return bigEndian(version, 2) + field(message.type, 12) + field(message.device, 20) + bigEndian(seconds, 4) +
+         bigEndian(0, 4) + bigEndian(message.body.size(), 8) + bigEndian(checksum(message.body), 8);
+}
+
 }  // namespace
 
 std::string packedWire(const WireMessage &message, std::uint32_t seconds) {
-  return bigEndian(1, 2) + field(message.type, 12) + field(message.device, 20) + bigEndian(seconds, 4) +
-         bigEndian(0, 4) + bigEndian(message.body.size(), 8) + bigEndian(checksum(message.body), 8) + message.body;
+  return packedHeader(1, message, seconds) + message.body;
+}
+
+std::string packedExtendedWire(const WireMessage &message) {
+  // One pair of metadata: its header with the sizes of key and value, then both.
+  const std::string key = "Status", value = "OK";
+  const std::string header = bigEndian(1, 2) + bigEndian(key.size(), 2) + bigEndian(3, 2) + bigEndian(value.size(), 4);
+  const std::string metadata = key + value;
+  WireMessage out = message;
+  out.body = bigEndian(12, 2) + bigEndian(header.size(), 2) + bigEndian(metadata.size(), 4) + bigEndian(7, 4) +
+             message.body + header + metadata;
+  return packedHeader(2, out, 0) + out.body;
+}
+
+std::string transformBody(const std::array<float, 3> &at) {
+  std::string out;
+  for (const float x : {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, at[0], at[1], at[2]})
+    out += bigEndian(std::bit_cast<std::uint32_t>(x), 4);
+  return out;
 }
 
 std::string pointBody(const std::vector<std::pair<std::string, std::array<float, 3>>> &points) {

@@ -23,16 +23,21 @@ namespace fs = std::filesystem;
 fs::path resource(const char *name) { return fs::path(testResourcesFolder()) / name; }
 
 /// The measured points of the organ in RAS, moved by x mm to the left.
-std::string frame(double x_mm, int most = 100000) {
+using NamedPoints = std::vector<std::pair<std::string, std::array<float, 3>>>;
+NamedPoints pointsAt(double x_mm, int most = 100000) {
   std::ifstream in(resource("match/organ_points.csv"));
-  std::vector<std::pair<std::string, std::array<float, 3>>> points;
+  NamedPoints points;
   std::string row;
   while (static_cast<int>(points.size()) < most && std::getline(in, row)) {
     double x = 0.0, y = 0.0, z = 0.0;
     if (std::sscanf(row.c_str(), "%lf,%lf,%lf", &x, &y, &z) != 3) continue;
     points.push_back({"", {static_cast<float>(-(x + x_mm)), static_cast<float>(-y), static_cast<float>(z)}});
   }
-  return packedWire({"POINT", "Tracker", pointBody(points)});
+  return points;
+}
+
+std::string frame(double x_mm, int most = 100000) {
+  return packedWire({"POINT", "Tracker", pointBody(pointsAt(x_mm, most))});
 }
 
 }  // namespace
@@ -108,6 +113,29 @@ TEST_CASE("the organ follows a tracking system until it is stopped, as one step 
   C3DE_WAIT(window, "it follows", textOf(s, "match/Stream").find("1 matched") != std::string::npos);
   window.click("match/cancel");
   C3DE_WAIT(window, "it has stopped again", s["widgets"].contains("match/match"));
+
+  // The tip of a tool.
+  window.click("match/tool");
+  window.type("Stylus");
+  window.key("Return");
+  C3DE_WAIT(window, "its number of points can be set", s["widgets"].contains("match/tool_points"));
+  window.screenshotAtRest("tool");
+  server.disconnect();
+  window.click("match/match");
+  REQUIRE(server.accept(60.0));
+  for (const auto &[name, at] : pointsAt(0.0, 100))
+    REQUIRE(server.send(packedWire({"TRANSFORM", "Stylus", transformBody(at)})));
+  C3DE_WAIT(window, "the collected points are counted",
+            textOf(s, "match/Stream").find(" of 200 points of tool 'Stylus'") != std::string::npos &&
+                textOf(s, "match/Stream").find("; 0 of 200") == std::string::npos);
+  CHECK(textOf(window.state(), "match/Stream").find("0 matched") != std::string::npos);
+  window.screenshotAtRest("collecting");
+  for (const auto &[name, at] : pointsAt(0.0))
+    REQUIRE(server.send(packedWire({"TRANSFORM", "Stylus", transformBody(at)})));
+  REQUIRE(server.receive("TRANSFORM", 120.0));
+  C3DE_WAIT(window, "a frame of the tool is matched", textOf(s, "match/Stream").find("1 matched") != std::string::npos);
+  window.click("match/cancel");
+  C3DE_WAIT(window, "it has stopped", s["jobs"].empty() && s["widgets"].contains("match/match"));
 
   // An address that is none.
   window.click("match/server");

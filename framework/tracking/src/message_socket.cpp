@@ -6,23 +6,29 @@
 #include <igtlImageMessage.h>
 #include <igtlMessageHeader.h>
 #include <igtlPointMessage.h>
+#include <igtlPositionMessage.h>
 #include <igtlTimeStamp.h>
 #include <igtlTransformMessage.h>
+#include <igtl_util.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <span>
+#include <string_view>
 
 namespace c3de::tracking {
 namespace {
 
-constexpr std::size_t kHeaderSize = 58, kSizeOffset = 42, kPointSize = 136;  // bytes
+constexpr std::size_t kHeaderSize = 58, kSizeOffset = 42, kChecksumOffset = 50;                // bytes
+constexpr std::size_t kPointSize = 136, kTransformSize = 48, kPositionSizes[] = {12, 24, 28};  // of bodies
 constexpr std::uint64_t kLargestBody = 64u << 20;  // bytes; an image may be sent that is skipped
 constexpr int kSendTimeout_ms = 500;
 constexpr double kLargest_mm = 1e6;
-constexpr std::size_t kNameLength = 20, kPointNameLength = 63;  // bytes
+constexpr std::size_t kPointNameLength = 63;  // bytes
 
 /// LPS to RAS and back.
 Vec3 mirrored(const Vec3 &at) { return {-at[0], -at[1], at[2]}; }
@@ -45,6 +51,95 @@ Bytes packed(const MessagePointer &message, const std::string &device) {
   message->Pack();
   const auto *bytes = static_cast<const std::byte *>(message->GetPackPointer());
   return {bytes, bytes + message->GetPackSize()};
+}
+
+/// An unsigned number, highest byte first.
+std::uint64_t numberAt(std::span<const std::byte> bytes, std::size_t offset, std::size_t size) {
+  std::uint64_t out = 0;
+  for (std::size_t i = 0; i < size; ++i) out = out << 8 | std::to_integer<std::uint64_t>(bytes[offset + i]);
+  return out;
+}
+
+void setNumberAt(std::span<std::byte> bytes, std::size_t offset, std::size_t size, std::uint64_t value) {
+  for (std::size_t i = size; i-- > 0; value >>= 8) bytes[offset + i] = static_cast<std::byte>(value & 0xff);
+}
+
+std::uint64_t checksumOf(Bytes &message) {
+  return crc64(reinterpret_cast<unsigned char *>(message.data() + kHeaderSize), message.size() - kHeaderSize, 0);
+}
+
+/// Removes the extended header and the metadata of protocol version 3, which 3D Slicer sends and OpenIGTLink 1.11 does
+/// not know. None: the message is damaged.
+/// @source  igtl_header.h of OpenIGTLink 3: igtl_extended_header
+std::optional<Bytes> withoutExtension(Bytes message) {
+  if (numberAt(message, 0, 2) < 2 || message.size() == kHeaderSize) return message;
+  constexpr std::size_t kFields = 8;  // bytes: sizes of extended header, metadata header and metadata
+  if (message.size() < kHeaderSize + kFields || numberAt(message, kChecksumOffset, 8) != checksumOf(message))
+    return std::nullopt;
+  const std::span<const std::byte> body = std::span(message).subspan(kHeaderSize);
+  const std::uint64_t header = numberAt(body, 0, 2), metadata = numberAt(body, 2, 2) + numberAt(body, 4, 4);
+  if (header < kFields || header + metadata > body.size()) return std::nullopt;
+  message.resize(message.size() - metadata);
+  const auto content = message.begin() + static_cast<std::ptrdiff_t>(kHeaderSize);
+  message.erase(content, content + static_cast<std::ptrdiff_t>(header));
+  setNumberAt(message, 0, 2, 1);
+  setNumberAt(message, kSizeOffset, 8, message.size() - kHeaderSize);
+  setNumberAt(message, kChecksumOffset, 8, checksumOf(message));
+  return message;
+}
+
+template <class Message>
+typename Message::Pointer unpacked(const Bytes &bytes, const igtl::MessageHeader::Pointer &header) {
+  const auto message = Message::New();
+  message->SetMessageHeader(header);
+  message->AllocatePack();
+  const std::size_t size = bytes.size() - kHeaderSize;
+  if (size != static_cast<std::size_t>(message->GetBodySizeToRead())) return nullptr;
+  std::memcpy(message->GetPackBodyPointer(), bytes.data() + kHeaderSize, size);
+  if ((message->Unpack(1) & igtl::MessageHeader::UNPACK_BODY) == 0) return nullptr;
+  return message;
+}
+
+bool isPlausible(const std::array<float, 3> &at) {
+  return std::all_of(at.begin(), at.end(), [](float x) { return std::abs(x) <= kLargest_mm; });
+}
+
+TrackedFrame frameOf(igtl::MessageBase &message) {
+  TrackedFrame out;
+  out.device = message.GetDeviceName();
+  unsigned seconds = 0, fraction = 0;
+  message.GetTimeStamp(&seconds, &fraction);
+  if (seconds != 0) out.time_s = seconds + fraction * 0x1p-32;
+  return out;
+}
+
+Received readPoints(const Bytes &bytes, const igtl::MessageHeader::Pointer &header, TrackedFrame &frame) {
+  if ((bytes.size() - kHeaderSize) % kPointSize != 0) return Received::refused;
+  const auto message = unpacked<igtl::PointMessage>(bytes, header);
+  if (!message) return Received::refused;
+  TrackedFrame out = frameOf(*message);
+  for (int i = 0; i < message->GetNumberOfPointElement(); ++i) {
+    igtl::PointElement::Pointer element;
+    message->GetPointElement(i, element);
+    std::array<float, 3> at{};
+    element->GetPosition(at.data());
+    if (!isPlausible(at)) return Received::refused;
+    out.points.push_back({element->GetName(), mirrored({at[0], at[1], at[2]})});
+  }
+  if (out.points.empty()) return Received::skipped;
+  frame = std::move(out);
+  return Received::frame;
+}
+
+template <class Message>
+Received readTip(const Bytes &bytes, const igtl::MessageHeader::Pointer &header, TrackedFrame &frame) {
+  const auto message = unpacked<Message>(bytes, header);
+  std::array<float, 3> at{};
+  if (message) message->GetPosition(at.data());
+  if (!message || !isPlausible(at)) return Received::refused;
+  frame = frameOf(*message);
+  frame.points = {{"", mirrored({at[0], at[1], at[2]})}};
+  return Received::tip;
 }
 
 /// ClientSocket prints to standard error where it cannot connect.
@@ -87,11 +182,7 @@ class IgtlSocket : public MessageSocket {
   }
 
  private:
-  [[nodiscard]] std::uint64_t bodySize() const {
-    std::uint64_t out = 0;
-    for (std::size_t i = 0; i < 8; ++i) out = out << 8 | std::to_integer<std::uint64_t>(bytes_[kSizeOffset + i]);
-    return out;
-  }
+  [[nodiscard]] std::uint64_t bodySize() const { return numberAt(bytes_, kSizeOffset, 8); }
 
   /// Reads what is missing of the header, or then of the body. True: it is complete.
   Expected<bool> fill() {
@@ -109,36 +200,21 @@ class IgtlSocket : public MessageSocket {
   }
 
   Received read(TrackedFrame &frame) const {
+    const std::optional<Bytes> bytes = withoutExtension(bytes_);
+    if (!bytes) return Received::refused;
     const auto header = igtl::MessageHeader::New();
     header->InitPack();
-    std::memcpy(header->GetPackPointer(), bytes_.data(), kHeaderSize);
+    std::memcpy(header->GetPackPointer(), bytes->data(), kHeaderSize);
     header->Unpack();
-    if (std::strcmp(header->GetDeviceType(), "POINT") != 0) return Received::skipped;
-    const auto message = igtl::PointMessage::New();
-    message->SetMessageHeader(header);
-    message->AllocatePack();
-    const std::size_t size = bytes_.size() - kHeaderSize;
-    if (size != static_cast<std::size_t>(message->GetBodySizeToRead()) || size % kPointSize != 0)
-      return Received::refused;
-    std::memcpy(message->GetPackBodyPointer(), bytes_.data() + kHeaderSize, size);
-    if ((message->Unpack(1) & igtl::MessageHeader::UNPACK_BODY) == 0) return Received::refused;
-    TrackedFrame out;
-    out.device = message->GetDeviceName();
-    unsigned seconds = 0, fraction = 0;
-    message->GetTimeStamp(&seconds, &fraction);
-    if (seconds != 0) out.time_s = seconds + fraction * 0x1p-32;
-    for (int i = 0; i < message->GetNumberOfPointElement(); ++i) {
-      igtl::PointElement::Pointer element;
-      message->GetPointElement(i, element);
-      std::array<float, 3> at{};
-      element->GetPosition(at.data());
-      if (!std::all_of(at.begin(), at.end(), [](float x) { return std::abs(x) <= kLargest_mm; }))
-        return Received::refused;
-      out.points.push_back({element->GetName(), mirrored({at[0], at[1], at[2]})});
-    }
-    if (out.points.empty()) return Received::skipped;
-    frame = std::move(out);
-    return Received::frame;
+    const std::string_view type = header->GetDeviceType();
+    const std::size_t size = bytes->size() - kHeaderSize;
+    if (type == "POINT") return readPoints(*bytes, header, frame);
+    if (type == "TRANSFORM")
+      return size == kTransformSize ? readTip<igtl::TransformMessage>(*bytes, header, frame) : Received::refused;
+    if (type != "POSITION") return Received::skipped;
+    const bool isKnown =
+        std::find(std::begin(kPositionSizes), std::end(kPositionSizes), size) != std::end(kPositionSizes);
+    return isKnown ? readTip<igtl::PositionMessage>(*bytes, header, frame) : Received::refused;
   }
 
   SilentSocket::Pointer socket_;

@@ -14,7 +14,15 @@ namespace c3de::tracking {
 
 using Bytes = std::vector<std::byte>;
 
-enum class Received { nothing, frame, skipped, refused };
+inline constexpr std::size_t kNameLength = 20;  ///< bytes of a device in a message
+
+enum class Received {
+  nothing,
+  frame,  ///< the points of a POINT message
+  tip,    ///< the position of a tool's tip, of a TRANSFORM or POSITION message, as the only point
+  skipped,
+  refused
+};
 
 /// A connected socket with OpenIGTLink messages. One thread at a time. Without the library OpenIGTLink there is none.
 class MessageSocket {

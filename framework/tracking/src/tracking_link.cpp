@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "c3de/core/text.h"
 #include "message_socket.h"
 
 namespace c3de::tracking {
@@ -31,6 +32,7 @@ struct TrackingLink::Connection {
   LinkStatus status;
   Clock::time_point since = Clock::now();  ///< last points, or change of state
   std::optional<TrackedFrame> newest;      ///< not taken yet
+  std::optional<ToolPoints> toolPoints;    ///< for the next frame
   std::map<std::string, Bytes> outgoing;   ///< by type and device
   std::function<void()> onChange;          ///< called with `mutex` locked
   bool isSilent = false;                   ///< has been announced
@@ -91,15 +93,40 @@ struct TrackingLink::Connection {
     while (!closed()) {
       const auto received = socket.receive(frame);
       if (!received) return setLost(received.error().message);
-      if (*received == Received::frame) keep(std::exchange(frame, {}));
       if (*received == Received::refused) {
         const std::lock_guard lock(mutex);
         ++status.refused;
+      } else if (*received == Received::frame && !status.tool) {
+        keep(std::exchange(frame, {}));
+      } else if (*received == Received::tip && status.tool) {
+        collect(std::exchange(frame, {}));
       }
       checkSilence();
       if (!sendOutgoing(socket)) return setLost("the server does not read what is sent to it");
     }
     (void)sendOutgoing(socket);  // results of the last frame
+  }
+
+  void collect(TrackedFrame tip) {
+    std::unique_lock lock(mutex);
+    if (tip.device != status.tool->device) {
+      if (status.others.size() < kMostNames) status.others.insert(tip.device);
+      return;
+    }
+    ++status.tips;
+    since = Clock::now();
+    const bool wasSilent = std::exchange(isSilent, false);
+    const bool isComplete = toolPoints->add(tip.points.front().at_mm);
+    const bool isNew = std::exchange(status.collected, toolPoints->count()) != toolPoints->count();
+    if (!isComplete) {
+      if (isNew || wasSilent) announce();
+      return;
+    }
+    tip.points.clear();
+    for (const Vec3 &at_mm : toolPoints->take()) tip.points.push_back({"", at_mm});
+    status.collected = 0;
+    lock.unlock();
+    keep(std::move(tip));
   }
 
   void keep(TrackedFrame frame) {
@@ -136,6 +163,11 @@ std::string textOf(const LinkStatus &status) {
   text += fmt::format("; {} frame{} received", status.received, status.received == 1 ? "" : "s");
   if (status.replaced > 0) text += fmt::format(", {} skipped for newer ones", status.replaced);
   if (status.refused > 0) text += fmt::format(", {} refused as invalid", status.refused);
+  if (!status.tool) return text;
+  text += fmt::format("; {} of {} points of tool '{}'", status.collected, status.tool->frameSize, status.tool->device);
+  if (status.tips == 0 && !status.others.empty())
+    for (const std::string &name : status.others)
+      text += (name == *status.others.begin() ? "; tracked tools: " : ", ") + displayText(name);
   return text;
 }
 
@@ -145,11 +177,16 @@ bool ConnectionChange::update(LinkState state) {
 }
 
 Expected<std::unique_ptr<TrackingLink>> TrackingLink::open(const TrackingAddress &address,
+                                                           const std::optional<TrackedTool> &tool,
                                                            std::function<void()> onChange) {
   if (!MessageSocket::isAvailable())
     return fail(ErrorCode::usage, "this program was built without the library OpenIGTLink");
   auto connection = std::make_shared<Connection>();
   connection->address = address;
+  if (tool) {
+    connection->status.tool = {tool->device.substr(0, kNameLength), tool->frameSize};
+    connection->toolPoints.emplace(tool->frameSize);
+  }
   connection->onChange = std::move(onChange);
   std::thread([connection] { connection->run(); }).detach();
   return std::unique_ptr<TrackingLink>(new TrackingLink(std::move(connection)));

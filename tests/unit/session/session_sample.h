@@ -70,6 +70,8 @@ inline session::SessionFile fullSession() {
                                         .time = 2,
                                         .source = "labels",
                                         .server = "tracker:18944",
+                                        .tool = "Stylus",
+                                        .toolPoints = 90,
                                         .label = "3",
                                         .unit = "cm",
                                         .noise_mm = 2.5,

@@ -18,8 +18,8 @@ namespace {
 
 constexpr auto kLong = 20000ms;  // far longer than needed, for slow machines
 
-std::unique_ptr<TrackingLink> linkTo(TrackingServer &server) {
-  auto link = TrackingLink::open(*parseTrackingAddress(server.address()));
+std::unique_ptr<TrackingLink> linkTo(TrackingServer &server, const std::optional<TrackedTool> &tool = {}) {
+  auto link = TrackingLink::open(*parseTrackingAddress(server.address()), tool);
   REQUIRE(link);
   REQUIRE(server.accept());
   return std::move(*link);
@@ -102,6 +102,74 @@ TEST_CASE("Invalid messages of a tracking system are refused and counted, others
   CHECK(next->points.back().at_mm[0] == -7.0);
 }
 
+TEST_CASE("Points in messages with an extended header and metadata are read, as 3D Slicer sends them") {
+  TrackingServer server;
+  const auto link = linkTo(server);
+  const WireMessage message{"POINT", "Probe", pointBody({{"tumour", {1.0f, 2.0f, 3.0f}}, {"", {4.0f, 0.0f, 0.0f}}})};
+  const std::string whole = packedExtendedWire(message);
+  // Damaged: a byte of the points; a header and metadata that are longer than the body; a body that is too short.
+  std::string damaged = whole;
+  damaged[58 + 12 + 100] ^= 1;
+  REQUIRE(server.send(damaged));
+  REQUIRE(server.send(packedExtendedWire({"POINT", "Probe", std::string(100, 'x')})));
+  for (const std::size_t size : {1, 7, 11, 20}) {
+    WireMessage cut = message;
+    cut.body = whole.substr(58, size);
+    std::string bytes = packedWire(cut);
+    bytes[1] = 2;
+    REQUIRE(server.send(bytes));
+  }
+  REQUIRE(server.send(whole));
+  const auto frame = link->takeFrame(kLong);
+  REQUIRE(frame);
+  CHECK(frame->device == "Probe");
+  REQUIRE(frame->points.size() == 2);
+  CHECK(frame->points[0].name == "tumour");
+  CHECK(frame->points[0].at_mm == Vec3{-1.0, -2.0, 3.0});
+  CHECK(link->status().refused == 6);
+}
+
+TEST_CASE("Positions of a tool's tip are collected into frames") {
+  TrackingServer server;
+  const auto link = linkTo(server, TrackedTool{"StylusTipToReferenceOfTheTable", 3});
+  const auto tip = [](const char *name, float x) {
+    return packedWire({"TRANSFORM", name, transformBody({x, 1.0f, 2.0f})}, 100 + static_cast<std::uint32_t>(x));
+  };
+  // A name is cut to 20 bytes in a message. Points that are sent together are no positions of the tool.
+  const char *own = "StylusTipToReference";
+  REQUIRE(server.send(pointMessage({{"", {0.0f, 0.0f, 0.0f}}})));
+  REQUIRE(server.send(tip("Needle", 50.0f)));
+  REQUIRE(waitFor(*link, [](const LinkStatus &status) { return !status.others.empty(); }));
+  CHECK_THAT(textOf(link->status()), Contains("0 of 3 points of tool 'StylusTipToReference'; tracked tools: Needle"));
+  REQUIRE(server.send(tip(own, 1.0f)));
+  REQUIRE(server.send(tip(own, 2.5f)));  // nearer than 2 mm
+  REQUIRE(server.send(tip(own, std::numeric_limits<float>::infinity())));
+  REQUIRE(server.send(packedWire({"TRANSFORM", own, std::string(40, '\0')})));
+  REQUIRE(server.send(packedExtendedWire({"TRANSFORM", own, transformBody({4.0f, 1.0f, 2.0f})})));
+  REQUIRE(waitFor(*link, [](const LinkStatus &status) { return status.tips == 3; }));
+  CHECK_THAT(textOf(link->status()),
+             Contains("0 frames received, 2 refused as invalid; 2 of 3 points of tool") && !Contains("Needle"));
+  CHECK_FALSE(link->takeFrame(0ms));
+  REQUIRE(server.send(tip(own, 7.0f)));
+  const auto frame = link->takeFrame(kLong);
+  REQUIRE(frame);
+  CHECK(frame->device == own);
+  CHECK(frame->time_s == Approx(107.0));
+  REQUIRE(frame->points.size() == 3);
+  CHECK(frame->points[0].at_mm == Vec3{-1.0, -1.0, 2.0});
+  CHECK(frame->points[1].at_mm == Vec3{-4.0, -1.0, 2.0});
+  CHECK(frame->points[2].at_mm == Vec3{-7.0, -1.0, 2.0});
+  // The next frame begins without the points of this one.
+  const std::string position = transformBody({0.0f, 0.0f, 0.0f}).substr(0, 12);  // (1, 0, 0)
+  REQUIRE(server.send(packedWire({"POSITION", own, position})));
+  REQUIRE(waitFor(*link, [](const LinkStatus &status) { return status.collected == 1; }));
+  REQUIRE(server.send(tip(own, 11.0f) + tip(own, 15.0f)));
+  const auto next = link->takeFrame(kLong);
+  REQUIRE(next);
+  CHECK(next->points.at(0).at_mm == Vec3{-1.0, 0.0, 0.0});
+  CHECK(link->status().received == 2);
+}
+
 TEST_CASE("A lost tracking system is reported within a second, and connected again") {
   TrackingServer server;
   const auto link = linkTo(server);
@@ -148,7 +216,7 @@ TEST_CASE("Where no tracking system listens the link says so") {
     const TrackingServer closed;
     address = closed.address();
   }
-  const auto link = TrackingLink::open(*parseTrackingAddress(address));
+  const auto link = TrackingLink::open(*parseTrackingAddress(address), {});
   REQUIRE(link);
   REQUIRE(waitFor(**link, [](const LinkStatus &status) { return status.state == LinkState::lost; }));
   CHECK_THAT(textOf((*link)->status()), Contains("no server accepts connections there") && Contains("0 frames"));

@@ -104,6 +104,16 @@ void declareFrames(CLI::App &app, MatchOptions &options) {
               "With --stream: end after S seconds without points; default: 10")
       ->type_name("S")
       ->needs(stream);
+  CLI::Option *tool = app.add_option("--stream-tool", options.streamTool,
+                                     "With --stream: collect positions of the tip of this tool, from its TRANSFORM or "
+                                     "POSITION messages, instead of POINT messages")
+                          ->type_name("NAME")
+                          ->needs(stream);
+  addParsed(app, "--stream-tool-points", options.streamToolPoints,
+            "With --stream-tool: points of a frame, 2 mm apart or more; default: 200",
+            [](const std::string &text) { return parseWhole(text, 12, 100000); })
+      ->type_name("N")
+      ->needs(tool);
   app.add_flag("--stream-slice", options.sendsSlice,
                "With --stream: send C3DE_Slice, the slice of the deformed image through the middle of the body")
       ->needs(stream);

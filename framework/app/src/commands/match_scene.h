@@ -26,6 +26,8 @@ struct MatchOptions {
   std::string stream;
   std::optional<long long> streamFrames;  ///< none: until the stream ends
   std::optional<double> streamTimeout_s;  ///< without points, until the sequence ends
+  std::string streamTool;                 ///< whose tip is tracked; empty: frames are POINT messages
+  std::optional<int> streamToolPoints;    ///< points of a frame of the tool
   bool sendsSlice = false;                ///< sends a slice of the deformed image after each frame
 };
 

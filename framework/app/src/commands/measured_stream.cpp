@@ -67,14 +67,15 @@ class MeasuredStream : public MeasuredSource {
 
   Expected<std::optional<Frame>> next(const ProgressFn &progress) override {
     if (options_.streamFrames && frames_ == static_cast<std::size_t>(*options_.streamFrames)) return std::nullopt;
-    const auto begin = std::chrono::steady_clock::now();
-    for (;;) {
+    auto since = std::chrono::steady_clock::now();
+    for (std::uint64_t tips = link_->status().tips;;) {
       if (auto frame = link_->takeFrame(kPoll)) return accepted(std::move(*frame));
       const tracking::LinkStatus status = link_->status();
       report(status);
+      if (std::exchange(tips, status.tips) != status.tips) since = std::chrono::steady_clock::now();
       if (!progress(-1.0, fmt::format("tracking system {}: {}", textOf(link_->address()), textOf(status))))
         return std::nullopt;
-      const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
       if (waited > options_.streamTimeout_s.value_or(kTimeout_s))
         return fail(ErrorCode::input, fmt::format("no points for {:.3g} s; {}", waited, textOf(status)));
     }
@@ -200,7 +201,12 @@ Expected<std::unique_ptr<MeasuredSource>> measuredStream(const MatchOptions &opt
   if (landmarks->empty() && (!options.use.empty() || options.weight))
     return fail(ErrorCode::usage,
                 "--use and --weight are for landmarks; accepted: landmarks of the scene, or --landmarks");
-  auto link = TrackingLink::open(*address);
+  std::optional<tracking::TrackedTool> tool;
+  if (!options.streamTool.empty()) {
+    tool = {options.streamTool};
+    if (options.streamToolPoints) tool->frameSize = static_cast<std::size_t>(*options.streamToolPoints);
+  }
+  auto link = TrackingLink::open(*address, tool);
   if (!link) return fail(link.error().code, "--stream: " + link.error().message);
   auto out = std::make_unique<MeasuredStream>(std::move(*link), options, std::move(context), std::move(*landmarks));
   if (options.sendsSlice)

@@ -301,8 +301,11 @@ void MatchController::beginStream() {
   if (!address) return parts_.failed(kFailed, address.error());
   if (const std::string reason = parts_.blockingReason(); !reason.empty())
     return parts_.failed(kFailed, {ErrorCode::state, reason});
+  const ui::MatchForm &form = parts_.values.form;
+  std::optional<tracking::TrackedTool> tool;
+  if (!form.tool.empty()) tool = {form.tool, form.toolPoints};
   auto link = tracking::TrackingLink::open(
-      *address, [&queue = parts_.session.mainQueue()] { queue.post([] {}); });  // the next frame of the window follows
+      *address, tool, [&queue = parts_.session.mainQueue()] { queue.post([] {}); });  // the window draws a frame
   if (!link) return parts_.failed(kFailed, link.error());
   forgetResult();
   stream_.emplace(std::move(*link));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation/match_values.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "c3de/core/file_path.h"
@@ -68,6 +69,8 @@ SavedMatch savedOf(const ui::MatchForm &form) {
   out.landmarks = savedPath(wanted.landmarks);
   out.label = form.label;
   out.server = form.server;
+  out.tool = form.tool;
+  out.toolPoints = form.toolPoints;
   for (const auto &[source, name] : kSources)
     if (form.source == source) out.source = name;
   if (wanted.unit) out.unit = geometry::unitName(*wanted.unit);
@@ -90,6 +93,9 @@ ui::MatchForm formOf(const SavedMatch &saved, const std::filesystem::path &folde
   wanted.landmarks = foundPath(saved.landmarks, folder);
   out.label = saved.label;
   if (!saved.server.empty()) out.server = saved.server;
+  out.tool = saved.tool;
+  out.toolPoints = static_cast<std::uint32_t>(
+      std::clamp<std::uint64_t>(saved.toolPoints, ui::MatchForm::kFewestToolPoints, ui::MatchForm::kMostToolPoints));
   for (const auto &[source, name] : kSources)
     if (saved.source == name) out.source = source;
   if (!saved.unit.empty())

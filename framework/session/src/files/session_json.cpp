@@ -304,6 +304,8 @@ void readMatch(Json object, ParsedSession &out, std::string &error) {
   keys.text("landmarks", match.landmarks);
   keys.text("source", match.source);
   keys.text("server", match.server);
+  keys.text("tool", match.tool);
+  keys.count("tool_points", match.toolPoints);
   keys.text("label", match.label);
   keys.count("time", match.time);
   keys.text("unit", match.unit);
@@ -427,9 +429,10 @@ Json viewJson(const SessionView &view) {
     for (const auto &[key, text] :
          {std::pair("points", &match.points), std::pair("surface", &match.surface), std::pair("labels", &match.labels),
           std::pair("landmarks", &match.landmarks), std::pair("label", &match.label), std::pair("unit", &match.unit),
-          std::pair("server", &match.server)})
+          std::pair("server", &match.server), std::pair("tool", &match.tool)})
       if (!text->empty()) out[key] = *text;
     if (match.time != 0) out["time"] = match.time;
+    if (match.toolPoints != SavedMatch().toolPoints) out["tool_points"] = match.toolPoints;
   }
   if (view.camera)
     json["camera"] = Json{{"focus_mm", view.camera->focus_mm},

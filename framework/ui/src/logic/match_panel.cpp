@@ -2,6 +2,7 @@
 #include "c3de/ui/match_panel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "c3de/core/path_text.h"
@@ -39,7 +40,9 @@ std::string MatchForm::whyNot() const {
 }
 
 MatchForm matchFormOf(const scene::SceneMatch &match) {
-  MatchForm form{match, MatchSource::points, match.labels.labelName};
+  MatchForm form;
+  form.wanted = match;
+  form.label = match.labels.labelName;
   if (match.labels.label) form.label = std::to_string(*match.labels.label);
   if (!match.surface.empty()) form.source = MatchSource::surface;
   if (!match.labels.file.empty()) form.source = MatchSource::labels;
@@ -116,6 +119,17 @@ void MatchPanel::drawMeasured(const c3de_ui_v1 &ui, const MatchView &view) {
     tooltip(ui,
             "HOST or HOST:PORT of an OpenIGTLink server. Each POINT message is matched; points with the name of a "
             "landmark of Measurements are that landmark");
+    inputText(ui, "tool", "Tool", form_.tool);
+    tooltip(ui,
+            "Name of a tracked tool, such as a stylus: the surface is measured by moving its tip along it. Empty: the "
+            "points of a frame are sent together, in a POINT message");
+    if (!form_.tool.empty()) {
+      double points = form_.toolPoints;
+      slider(ui, "tool_points", "Points per frame", "", points, MatchForm::kFewestToolPoints,
+             MatchForm::kMostToolPoints,
+             "Points after which the body is matched. Positions of the tip within 2 mm count as one");
+      form_.toolPoints = static_cast<std::uint32_t>(std::lround(points));
+    }
   } else if (form_.source != MatchSource::labels) {
     static constexpr std::array<geometry::LengthUnit, 3> kUnits{
         geometry::LengthUnit::millimetre, geometry::LengthUnit::centimetre, geometry::LengthUnit::metre};

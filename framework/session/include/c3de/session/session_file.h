@@ -84,6 +84,8 @@ struct SavedMatch {
   std::uint64_t time = 0;                          ///< time point of the label map, from 0
   std::string source = "points";                   ///< "points", "surface", "labels" or "stream"
   std::string server;                              ///< address of a tracking system; empty: none
+  std::string tool;                                ///< of the tracking system; empty: none
+  std::uint64_t toolPoints = 200;                  ///< of the tool in a frame
   std::string label;                               ///< number or name
   std::string unit;              ///< of points and surface: "m", "mm" or "cm"; empty: that of the file
   double noise_mm = 1.0;         ///< above 0: standard deviation of the measurement

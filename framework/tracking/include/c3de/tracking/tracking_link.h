@@ -6,12 +6,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
 #include "c3de/imaging/volume.h"
+#include "c3de/tracking/tracked_tool.h"
 #include "c3de/tracking/tracking_address.h"
 
 namespace c3de::tracking {
@@ -21,10 +23,10 @@ struct TrackedPoint {
   Vec3 at_mm{};      ///< LPS
 };
 
-/// The points of one POINT message.
+/// The points of one POINT message, or of a tool.
 struct TrackedFrame {
   std::string device;            ///< name of the sender
-  std::optional<double> time_s;  ///< s since 1970, by the clock of the sender; none: it stated no time
+  std::optional<double> time_s;  ///< s since 1970, by the clock of the sender, of the last point; none: not stated
   std::vector<TrackedPoint> points;
 };
 
@@ -39,12 +41,17 @@ inline constexpr double kSilence_s = 1.0;
 
 struct LinkStatus {
   LinkState state = LinkState::connecting;
-  std::string reason;          ///< why it is lost; otherwise empty
-  double silence_s = 0.0;      ///< since the last points, the connection, its loss, or the beginning
-  std::uint64_t received = 0;  ///< frames
-  std::uint64_t replaced = 0;  ///< frames that a newer one replaced before they were taken
-  std::uint64_t refused = 0;   ///< messages with a wrong checksum, or with points that are not finite
+  std::string reason;               ///< why it is lost; otherwise empty
+  double silence_s = 0.0;           ///< since the last points, the connection, its loss, or the beginning
+  std::uint64_t received = 0;       ///< frames
+  std::uint64_t replaced = 0;       ///< frames that a newer one replaced before they were taken
+  std::uint64_t refused = 0;        ///< messages with a wrong checksum, or with points that are not finite
+  std::optional<TrackedTool> tool;  ///< whose tip is tracked
+  std::size_t collected = 0;        ///< points of the tool for the next frame
+  std::uint64_t tips = 0;           ///< positions of the tool's tip
+  std::set<std::string> others;     ///< at most kMostNames other tools whose positions have arrived
 };
+inline constexpr std::size_t kMostNames = 8;
 /// A clause for people: "connected; 12 frames received".
 [[nodiscard]] std::string textOf(const LinkStatus &status);
 
@@ -58,16 +65,18 @@ class ConnectionChange {
   LinkState last_ = LinkState::connecting;
 };
 
-/// A connection to an OpenIGTLink server, in a thread of its own. Points are received as POINT messages; other messages
-/// are skipped. A lost connection is tried again every kRetry_s. Positions are converted between the RAS of OpenIGTLink
-/// and LPS. Any thread.
+/// A connection to an OpenIGTLink server, in a thread of its own. A frame is a POINT message, or positions of the tip of a
+/// tool, which are TRANSFORM or POSITION messages with its name; other messages are skipped. A lost connection is tried
+/// again every kRetry_s. Positions are converted between the RAS of OpenIGTLink and LPS. Any thread.
 /// @source  Tokuda et al., OpenIGTLink: an open network protocol for image-guided therapy environment, 2009
 class TrackingLink {
  public:
   /// Begins to connect. Errors (usage): the program was built without the library OpenIGTLink.
+  /// @param tool      whose tip is tracked; none: frames are POINT messages
   /// @param onChange  called for each frame and each change of the state, in the thread of the link and until this
   ///                  object ends; must not call this object; may be empty
   [[nodiscard]] static Expected<std::unique_ptr<TrackingLink>> open(const TrackingAddress &address,
+                                                                    const std::optional<TrackedTool> &tool,
                                                                     std::function<void()> onChange = {});
   ~TrackingLink();
   TrackingLink(const TrackingLink &) = delete;

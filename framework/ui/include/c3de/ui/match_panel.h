@@ -24,6 +24,9 @@ struct MatchForm {
   MatchSource source = MatchSource::points;
   std::string label;                       ///< number or name
   std::string server = "localhost:18944";  ///< address of a tracking system, for a stream
+  std::string tool;                        ///< whose tip is tracked; empty: points are sent together
+  std::uint32_t toolPoints = 200;          ///< of a frame, kFewestToolPoints … kMostToolPoints
+  static constexpr std::uint32_t kFewestToolPoints = 12, kMostToolPoints = 2000;
   /// With the file of the chosen source only. The label is still a text.
   [[nodiscard]] scene::SceneMatch match() const;
   /// Why no match can begin, as a sentence; empty: one can.
