@@ -141,6 +141,37 @@ BodyShape ringQuarter(double radius, double width) {
                       surface);
 }
 
+BodyShape tube(double inner, double outer, double length) {
+  Surface surface;
+  const auto at = [=](double x, double rho, double s) {
+    return Vec3(x, rho * std::cos(2 * kPi * s), rho * std::sin(2 * kPi * s));
+  };
+  addPatch(surface, 96, 48, [&](double s, double t) { return at(length * t, outer, s); });
+  addPatch(surface, 96, 48, [&](double s, double t) { return at(length * t, inner, -s); });
+  addPatch(surface, 8, 96, [&](double s, double t) { return at(length, inner + (outer - inner) * s, t); });
+  addPatch(surface, 96, 8, [&](double s, double t) { return at(0.0, inner + (outer - inner) * t, s); });
+  const auto distance = [=](const Vec3 &x) {
+    const double rho = std::hypot(x[1], x[2]);
+    return std::max({rho - outer, inner - rho, -x[0], x[0] - length});
+  };
+  return fromDistance(Vec3(0.0, -outer, -outer), Vec3(length, outer, outer),
+                      kPi * (outer * outer - inner * inner) * length, distance, surface);
+}
+
+BodyShape slantedBox(const Vec3 &min, const Vec3 &max, double slant) {
+  const BodyShape straight = box(min, max);
+  Surface surface = straight.surface;
+  for (Vec3 &x : surface.positions) x[1] += slant * x[2];
+  const double reach = std::abs(slant) * std::max(std::abs(min[2]), std::abs(max[2]));
+  const double width = std::hypot(1.0, slant);
+  const auto distance = [=](const Vec3 &x) {
+    const double y = x[1] - slant * x[2];
+    return std::max(
+        {min[0] - x[0], x[0] - max[0], min[2] - x[2], x[2] - max[2], (min[1] - y) / width, (y - max[1]) / width});
+  };
+  return fromDistance(min - Vec3(0.0, reach, 0.0), max + Vec3(0.0, reach, 0.0), straight.volume, distance, surface);
+}
+
 BodyShape cylinder(double radius, double length) {
   Surface surface;
   const auto at = [&](double rho, double s, double z) {

@@ -18,6 +18,10 @@ using pointbased::Vec3;
 [[nodiscard]] BodyShape ellipsoid(const Vec3 &semiAxes);
 /// A quarter of a ring about z from the x axis to the y axis: a square section of `width` about a circle of `radius`.
 [[nodiscard]] BodyShape ringQuarter(double radius, double width);
+/// x from 0 to length, about the x axis.
+[[nodiscard]] BodyShape tube(double inner, double outer, double length);
+/// A box whose points are displaced along y by slant z.
+[[nodiscard]] BodyShape slantedBox(const Vec3 &min, const Vec3 &max, double slant);
 /// z from 0 to length, about the z axis.
 [[nodiscard]] BodyShape cylinder(double radius, double length);
 

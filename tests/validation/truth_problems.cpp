@@ -74,6 +74,19 @@ Problem hangingEllipsoid(std::size_t count, MaterialLaw law, double gravity) {
   return problem;
 }
 
+Problem bentTube(double spacing, MaterialLaw law) {
+  return Problem::rubber(solids::tube(0.01, 0.02, kLength), spacing, law)
+      .hold(face(0, 0.0))
+      .pull(face(0, kLength), Vec3(0, 0, -1e-3));
+}
+
+Problem slantedBar(double spacing, MaterialLaw law) {
+  const Vec3 half(0.0, 0.5 * kWidth, 0.5 * kWidth);
+  return Problem::rubber(solids::slantedBox(-half, Vec3(kLength, 0, 0) + half, std::numbers::inv_sqrt3), spacing, law)
+      .hold(face(0, 0.0))
+      .pull(face(0, kLength), Vec3(0, 0, -1.6e-3));
+}
+
 Problem indentation(double spacing, MaterialLaw law, double nu, double depth) {
   const Region patch = BoxRegion{Vec3(-0.015, -0.015, 0.05 - 1e-7), Vec3(0.015, 0.015, 0.05 + 1e-7)};
   Problem problem = Problem::rubber(solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.05)), spacing, law);

@@ -23,6 +23,9 @@ inline constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
 [[nodiscard]] Problem halfBall(std::size_t count, MaterialLaw law);
 [[nodiscard]] Problem ringQuarter(std::size_t count, MaterialLaw law, const Vec3 &force);
 [[nodiscard]] Problem hangingEllipsoid(std::size_t count, MaterialLaw law, double gravity);
+/// Cantilevers under a shear at their tip: a tube, and a bar whose section is a parallelogram.
+[[nodiscard]] Problem bentTube(double spacing, MaterialLaw law);
+[[nodiscard]] Problem slantedBar(double spacing, MaterialLaw law);
 /// A block that a bonded patch is pressed into.
 [[nodiscard]] Problem indentation(double spacing, MaterialLaw law, double nu, double depth);
 /// A flat beam under pressure on its face: a follower pressure, or an equal dead force.

@@ -8,9 +8,11 @@ import cases_bodies
 cases_beams.add_beams()
 cases_blocks.add_cubes()
 cases_bodies.add_bodies()
+cases_bodies.add_tube()
 cases_blocks.add_indentations()
 cases_beams.add_pressures()
 cases_beams.add_two_materials()
+cases_beams.add_slanted_bar()
 cases_bodies.add_torsion()
 cases_bodies.add_free_vibrations()
 ALL = case.ALL

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Beams: tip shear, twist, own weight, natural frequencies."""
+"""Beams: tip shear, twist, own weight, natural frequencies; a bar with slanted faces."""
 import math
 
 from case import E, Quantity, add, body, material, on, plane, properties
-from mesh import box, graded
+from mesh import Mesh, box, graded
 from model import Model
 
 
@@ -144,6 +144,31 @@ def add_pressures():
                  'load_kind': 'pressure normal to the deformed face' if follows
                  else 'dead traction, uniform over the upper face'},
                 check='truth_fem' if law == 'stvk' else None, levels=(1, 2, 3))
+
+
+# A bar whose section is a parallelogram ---------------------------------------------------------------------------------
+
+SLANT = math.tan(math.radians(30.0))  # of y over z
+
+
+def slanted_bar(level, order, law):
+    lines = graded(-0.02, 0.02, 2 * level, 0.5, 0.5)
+    mesh = Mesh(merge=1e-7).block(graded(0.0, 0.2, 8 * level, start=0.25), lines, lines,
+                                  lambda x, y, z: (x, y + SLANT * z, z))
+    model = Model(mesh, [material(law)], order, increment=0.5)
+    model.hold(on(0, 0.0))
+    model.load(on(0, 0.2), (0.0, 0.0, -1.6e-3 / 0.04 ** 2))
+    return model
+
+
+def add_slanted_bar():
+    end = on(0, 0.2)
+    add('slanted_bar_shear.stvk', 'stvk', slanted_bar,
+        [Quantity(f'tip_mean_u_{"xyz"[axis]}', f'mean u_{"xyz"[axis]} of the end face', 'm',
+                  lambda r, axis=axis: r.surface_mean(end, axis)) for axis in (2, 1)],
+        {'body': {'shape': 'slanted_bar', 'low': [0, -0.02, -0.02], 'high': [0.2, 0.02, 0.02],
+                  'note': 'a box whose points are displaced along y by tan 30° z'}, **properties(),
+         'fix': [{'region': plane(0, 0.0)}], **tip_load(0.2, [0, 0, -1.6e-3])}, check='truth_fem', levels=(1, 2, 3))
 
 
 # The beam of two materials --------------------------------------------------------------------------------------------

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curved bodies: half ball, quarter ring, hanging ellipsoid, cylinder; free vibrations of a cube and a ball."""
+"""Curved bodies: half ball, quarter ring, hanging ellipsoid, tube, cylinder; free vibrations of a cube and a ball."""
 import math
 
 from case import E, EVERYWHERE, NU, RHO, Quantity, add, body, material, on, plane, properties, slab
-from curved import ball, cylinder, half_ball, hanging_ellipsoid, ring_quarter
+from curved import ball, cylinder, half_ball, half_tube, hanging_ellipsoid, ring_quarter
 from mesh import box, uniform
 from model import Model
 
@@ -67,6 +67,27 @@ def add_bodies():
             {'body': {'shape': 'ellipsoid', 'centre': [0, 0, 0], 'semi_axes': list(AXES)}, **properties(),
              'fix': [{'region': slab(2, CUT * AXES[2], EVERYWHERE)}], 'gravity': [0, 0, -9.81]}, check=check,
             check_levels=(2, 3, 4))
+
+
+TUBE_INNER, TUBE_OUTER, TUBE_LENGTH, TUBE_FORCE = 0.01, 0.02, 0.2, 1e-3
+
+
+def bent_tube(level, order, law):
+    model = Model(half_tube(level, TUBE_INNER, TUBE_OUTER, TUBE_LENGTH), [material(law)], order, increment=0.5)
+    model.hold(on(0, 0.0))
+    model.mirror(1)
+    model.load(on(0, TUBE_LENGTH), (0.0, 0.0, -TUBE_FORCE / (math.pi * (TUBE_OUTER ** 2 - TUBE_INNER ** 2))))
+    return model
+
+
+def add_tube():
+    end = on(0, TUBE_LENGTH)
+    add('tube_shear.stvk', 'stvk', bent_tube,
+        [Quantity('tip_mean_u_z', 'mean u_z of the end face', 'm', lambda r: r.surface_mean(end, 2))],
+        {'body': {'shape': 'tube', 'axis': 'x', 'inner_radius': TUBE_INNER, 'outer_radius': TUBE_OUTER,
+                  'length': TUBE_LENGTH}, **properties(), 'fix': [{'region': plane(0, 0.0)}],
+         'load': [{'region': plane(0, TUBE_LENGTH), 'force': [0, 0, -TUBE_FORCE]}],
+         'load_kind': 'dead traction, uniform over the end face'}, check='truth_fem')
 
 
 def twisted_cylinder(level, order, law, angle):

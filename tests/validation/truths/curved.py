@@ -97,6 +97,14 @@ def ring_quarter(level, radius, width, half):
     return mesh.block(rs, angles, zs, lambda r, t, z: (r * math.cos(t), r * math.sin(t), z))
 
 
+def half_tube(level, inner, outer, length):
+    """About x, from 0 (finer there) to length; y >= 0 of it."""
+    mesh = Mesh(merge=1e-6 * outer)
+    xs = graded(0.0, length, 8 * level, start=0.25)
+    return mesh.block(xs, graded(inner, outer, level, 0.5, 0.5), uniform(-0.5 * math.pi, 0.5 * math.pi, 4 * level),
+                      lambda x, r, t: (x, r * math.cos(t), r * math.sin(t)))
+
+
 def cylinder(level, radius, length):
     """About z, from 0 to length: a core and four shells."""
     mesh = Mesh(merge=1e-6 * radius)
