@@ -34,8 +34,6 @@ constexpr Known kKnown[] = {
     {"ellipsoid.stvk", "_u_z", kHanging},
     {"ellipsoid.neo_hookean", "_u_z", kHanging},
     {"half_ball.neo_hookean, 550", "top_u_x", "displacement at a single point of the skin"},
-    {"indentation_2mm", "force_z", kEdge},
-    {"indentation_5mm", "force_z", kEdge},
     {"turned 30° about x", "torque", kObliqueTwist},
     {"turned 30° about y", "torque", kObliqueTwist},
     {"turned 30° about z", "torque", kObliqueTwist},

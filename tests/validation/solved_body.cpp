@@ -43,6 +43,11 @@ Problem &Problem::turn(const Region &region, const Vec3 &rotation_deg, const Vec
   return *this;
 }
 
+Problem &Problem::moveByHand(const Region &region, const Vec3 &displacement) {
+  supportsByHand.push_back({.region = region, .displacement = displacement});
+  return *this;
+}
+
 Problem &Problem::pull(const Region &region, const Vec3 &force) {
   recipe.loads.push_back({.region = region, .force = force});
   return *this;
@@ -62,6 +67,15 @@ SolvedBody::SolvedBody(const Problem &problem) : shape_(problem.shape) {
   simulator_.setWorld(problem.world);
   id_ = simulator_.addBody(std::make_unique<Body>("body", rest_, constitution, serialFor()));
   for (const Obstacle &obstacle : problem.obstacles) simulator_.addObstacle(obstacle);
+  std::vector<LiveSupport> supports;
+  for (const Fix &fix : problem.supportsByHand) {
+    SurfacePoints samples = sampleSurface(shape_.surface, 0.25 * rest_->spacing, fix.region);
+    for (Vec3 &x : samples.positions) x -= rest_->origin;
+    supports.push_back(liveSupport(*rest_, samples.positions, samples.normals, samples.areas,
+                                   std::vector<Vec3>(samples.count(), Vec3::Zero()), body().heldMask()));
+    supports.back().to = fix.displacement;
+  }
+  if (!supports.empty()) body().setLiveSupports(std::move(supports));
   if (simulator_.quasiStatic())
     while (!simulator_.finished())
       if (const auto done = simulator_.step(); !done) throw std::runtime_error(done.error().text);

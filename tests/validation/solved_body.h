@@ -24,6 +24,7 @@ struct Problem {
   pointbased::BodyRecipe recipe{};
   pointbased::WorldSettings world{};
   std::vector<pointbased::Obstacle> obstacles{};
+  std::vector<pointbased::Fix> supportsByHand{};  ///< parts of the surface; numbered after the fixes of the recipe
 
   /// A quasi-static problem of the laws' usual rubber: E = 10 kPa, nu = 0.3, 1000 kg/m³.
   static Problem rubber(const pointbased::BodyShape &shape, double spacing,
@@ -31,6 +32,7 @@ struct Problem {
   Problem &hold(const Region &region) { return move(region, Vec3::Zero()); }
   Problem &move(const Region &region, const Vec3 &displacement);
   Problem &turn(const Region &region, const Vec3 &rotation_deg, const Vec3 &centre);
+  Problem &moveByHand(const Region &region, const Vec3 &displacement);
   Problem &pull(const Region &region, const Vec3 &force);
   Problem &atPhyxels();  ///< Müller's evaluation instead of stress points
 };

@@ -87,11 +87,12 @@ Problem slantedBar(double spacing, MaterialLaw law) {
       .pull(face(0, kLength), Vec3(0, 0, -1.6e-3));
 }
 
-Problem indentation(double spacing, MaterialLaw law, double nu, double depth) {
+Problem indentation(double spacing, MaterialLaw law, double nu, double depth, bool isByHand) {
   const Region patch = BoxRegion{Vec3(-0.015, -0.015, 0.05 - 1e-7), Vec3(0.015, 0.015, 0.05 + 1e-7)};
   Problem problem = Problem::rubber(solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.05)), spacing, law);
   problem.material.poissonRatio = nu;
-  return problem.hold(face(2, 0.0)).move(patch, Vec3(0, 0, -depth));
+  problem.hold(face(2, 0.0));
+  return isByHand ? problem.moveByHand(patch, Vec3(0, 0, -depth)) : problem.move(patch, Vec3(0, 0, -depth));
 }
 
 Problem pressedBeam(double spacing, bool follows) {

@@ -27,7 +27,7 @@ inline constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
 [[nodiscard]] Problem bentTube(double spacing, MaterialLaw law);
 [[nodiscard]] Problem slantedBar(double spacing, MaterialLaw law);
 /// A block that a bonded patch is pressed into.
-[[nodiscard]] Problem indentation(double spacing, MaterialLaw law, double nu, double depth);
+[[nodiscard]] Problem indentation(double spacing, MaterialLaw law, double nu, double depth, bool isByHand = false);
 /// A flat beam under pressure on its face: a follower pressure, or an equal dead force.
 [[nodiscard]] Problem pressedBeam(double spacing, bool follows);
 

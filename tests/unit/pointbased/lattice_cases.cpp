@@ -201,7 +201,7 @@ LinearSolution solveLinear(const LatticeBody &body, const BodyShape &shape, cons
   for (const ConstrainedRegion &held : body.held) {
     for (const Index i : held.phyxels) fixed[i] = 1;
     for (std::size_t p = 0; p < held.areas.size(); ++p) {
-      const double stiffness = kPatchStiffness * kYoungsModulus * held.areas[p] / body.spacing;
+      const double stiffness = held.stiffness[p] * kYoungsModulus * held.areas[p] / body.spacing;
       for (Index e = held.rows.offsets[p]; e < held.rows.offsets[p + 1]; ++e)
         for (Index f = held.rows.offsets[p]; f < held.rows.offsets[p + 1]; ++f)
           for (int a = 0; a < 3; ++a)

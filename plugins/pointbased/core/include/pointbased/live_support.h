@@ -29,7 +29,8 @@ struct LiveSupport {
 };
 
 /// Creates the rows of a support from points on the surface. Points nearest to one phyxel make one row. Points whose
-/// phyxels are all held already make none, so the support may be empty.
+/// phyxels are all held already make none, so the support may be empty. Rows at the edge of the support, where the skin
+/// continues, have kEdgePatchStiffness.
 /// @param points         [points] first reference, frame of the phyxels, m
 /// @param normals        [points] unit, outwards
 /// @param areas          [points] m², > 0

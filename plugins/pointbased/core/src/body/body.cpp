@@ -203,7 +203,7 @@ void Body::updateMassDependents() {
       }
       rows.offsets.push_back(static_cast<Index>(rows.indices.size()));
       const double modulus = modulusAt(moduli, part.rows, part.weights, p);
-      stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
+      stiffness.push_back(part.stiffness[p] * modulus * part.areas[p] / rest_->spacing);
     }
   };
   for (const ConstrainedRegion &part : rest_->conditions.held) add(part);

@@ -86,6 +86,7 @@ void addPatches(const SurfacePoints &samples, std::span<const Vec3> positions, s
     }
     part.rows.offsets.push_back(static_cast<Index>(part.rows.indices.size()));
     part.areas.push_back(area);
+    part.stiffness.push_back(kPatchStiffness);
   }
 }
 

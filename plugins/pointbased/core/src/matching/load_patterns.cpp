@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "skin/rest_skin.h"
+
 namespace pointbased::detail {
 namespace {
 
@@ -24,14 +26,6 @@ std::vector<std::size_t> farthest(const std::vector<Vec3> &points, std::size_t c
     for (std::size_t i = 0; i < points.size(); ++i)
       squared[i] = std::min(squared[i], (points[i] - points[next]).squaredNorm());
   }
-  return out;
-}
-
-Surface skinOf(const RestState &rest) {
-  Surface out;
-  for (std::size_t p = 0; p < rest.surfels.count(); ++p)
-    out.positions.push_back(rest.surfels.position(p, rest.positions));
-  out.triangles = rest.skin;
   return out;
 }
 

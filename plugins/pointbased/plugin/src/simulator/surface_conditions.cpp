@@ -14,7 +14,7 @@ using sdk::Error;
 
 namespace {
 
-constexpr double kSampling = 0.5;     // spacings, of the patch
+constexpr double kSampling = 0.25;    // spacings, of the patch
 constexpr double kOffSurface = 1e-3;  // of the size of a body: a patch farther outside of it is not on its surface
 constexpr std::uint64_t kMaxNumber = 1'000'000'000;
 

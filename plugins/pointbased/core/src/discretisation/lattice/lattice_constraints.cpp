@@ -22,6 +22,10 @@ constexpr double kLongBorder = 0.09;
 // accurate. kAllOfPart: a part of a cell whose sum is filled to this contains nothing free: slivers of it would be
 // connected to nothing.
 constexpr double kAll = 0.97, kNearlyNone = 0.03, kAllOfPart = 0.95;
+// Cosine of the angle up to which surface continues a held face.
+constexpr double kContinues = 0.7;
+// Of the surface of a part: a smaller covered share does not hold corners; a smaller uncovered one is no edge.
+constexpr double kCovered = 0.2, kUncovered = 0.03;
 // Of all free material: an unconnected piece smaller than this is a loose bit.
 constexpr double kLooseBit = 0.01;
 
@@ -206,6 +210,7 @@ void addSurface(const BodyShape &shape, const Region &region, const LatticeCellM
     map.functionsAt(parts[i], local[i], functions, gradients);
     patch.surfaceArea += points.areas[i];
     patch.surfaceCentre += points.areas[i] * local[i];
+    patch.surfaceNormal += points.areas[i] * (frame.axes.transpose() * points.normals[i]);
     PatchFunctions all{};
     std::copy(functions.begin(), functions.end(), all.begin());
     if (!map.distorted(map.parts()[parts[i]].cell)) {
@@ -224,6 +229,40 @@ void forPhyxels(const LatticeCellMap &map, Index part, const Visit &visit) {
   const NodeTable &corners = map.corners();
   for (const Index node : map.parts()[part].nodes)
     for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e) visit(corners.phyxels[e]);
+}
+
+// Surface that continues held faces beyond the edge of the region, in the parts of their corners.
+void addUncovered(const BodyShape &shape, const LatticeCellMap &map, std::vector<Index> &slots,
+                  std::vector<HeldPatch> &patches) {
+  const Frame &frame = map.set().frame;
+  std::vector<Vec3> normals(map.corners().positions.size(), Vec3::Zero());  // of held faces, by phyxel
+  BoxRegion around{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+  for (const HeldPatch &patch : patches) {
+    if (!(patch.surfaceArea > 0.0)) continue;
+    forPhyxels(map, patch.part, [&](Index i) {
+      normals[i] += patch.surfaceNormal;
+      const Vec3 at = frame.world(map.corners().positions[i]);
+      around.min = around.min.cwiseMin(at);
+      around.max = around.max.cwiseMax(at);
+    });
+  }
+  if (!(around.min.array() <= around.max.array()).all()) return;
+  around.min.array() -= frame.spacing;
+  around.max.array() += frame.spacing;
+  const SurfacePoints points = sampleSurface(shape.surface, kSmall * frame.unit(), around);
+  for (std::size_t i = 0; i < points.count(); ++i) {
+    const Vec3 normal = frame.axes.transpose() * points.normals[i];
+    const Index part = map.partOf(frame.axes.transpose() * (points.positions[i] - frame.origin), normal);
+    Vec3 held = Vec3::Zero();
+    forPhyxels(map, part, [&](Index phyxel) { held += normals[phyxel]; });
+    if (!(normal.dot(held) > kContinues * held.norm())) continue;
+    if (slots[part] == kNone) {
+      slots[part] = static_cast<Index>(patches.size());
+      patches.emplace_back().part = part;
+    }
+    patches[slots[part]].uncoveredArea += points.areas[i];
+  }
+  for (HeldPatch &patch : patches) patch.uncoveredArea = std::max(0.0, patch.uncoveredArea - patch.surfaceArea);
 }
 
 // Rows and phyxels of one region.
@@ -250,6 +289,11 @@ class Holder {
  private:
   [[nodiscard]] double edgeOf(const HeldPatch &patch) const {
     return map_.set().edge(map_.set().cells[map_.parts()[patch.part].cell]);
+  }
+  // Share of the surface of a part, along a held face, that the region covers; 1: it has no edge here.
+  [[nodiscard]] static double coveredShare(const HeldPatch &patch) {
+    const double all = patch.surfaceArea + patch.uncoveredArea;
+    return patch.uncoveredArea > kUncovered * all ? patch.surfaceArea / all : 1.0;
   }
   // If all of a part is held, its corners are held.
   [[nodiscard]] bool hasBorder(const HeldPatch &patch) const {
@@ -287,13 +331,19 @@ class Holder {
     for (const HeldPatch &patch : patches_) {
       if (patch.thin)
         forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 1; });
-      else if (!contents_[patch.part].isFree())
+      else if (!contents_[patch.part].isFree() && patch.held.share > 0.0)
         forPhyxels(map_, patch.part, [&](Index i) { candidate[i] = 1; });
     }
     for (std::size_t i = 0; i < n; ++i) held_[i] = candidate[i] != 0 && movable_[i] == 0 ? 1 : 0;
     // On a held surface, or in a held layer so thin that it acts as a surface; not where the border cuts the cell.
     for (const HeldPatch &patch : patches_)
       if (hasBorder(patch)) forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 0; });
+    // Nor at the edge of the region, up to which the rows hold (kEdgePatchStiffness).
+    isAtEdge_.assign(n, 0);
+    for (const HeldPatch &patch : patches_)
+      if (coveredShare(patch) < kCovered) forPhyxels(map_, patch.part, [&](Index i) { isAtEdge_[i] = 1; });
+    for (std::size_t i = 0; i < n; ++i)
+      if (isAtEdge_[i] != 0) onThin[i] = 0;
     const Frame &frame = map_.set().frame;
     std::vector<Index> asked;
     std::vector<Vec3> points;
@@ -362,6 +412,9 @@ class Holder {
     }
     result_.rows.offsets.push_back(static_cast<Index>(result_.rows.indices.size()));
     result_.areas.push_back(area);
+    bool isEdge = coveredShare(patch) < 1.0;
+    forPhyxels(map_, patch.part, [&](Index i) { isEdge = isEdge || isAtEdge_[i] != 0; });
+    result_.stiffness.push_back(isEdge ? kEdgePatchStiffness : kPatchStiffness);
   }
 
   const BodyShape &shape_;
@@ -370,7 +423,7 @@ class Holder {
   const std::vector<HeldPatch> &patches_;
   std::span<const PartContent> contents_;
   std::span<const std::uint8_t> movable_;  // phyxels adjacent to free material
-  std::vector<std::uint8_t> held_;
+  std::vector<std::uint8_t> held_, isAtEdge_;
   ConstrainedRegion result_;
   Row row_;
 };
@@ -448,6 +501,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
           patch.held.share > 0.5 * contents[patch.part].all.share)
         whole[patch.part] = 1;
     }
+    if (isSheet(region, set.frame.unit())) addUncovered(shape, map, slots, result[r]);
   }
   parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)

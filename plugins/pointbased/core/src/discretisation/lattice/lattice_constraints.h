@@ -39,7 +39,7 @@ struct BorderPiece {
   double area = 0.0;          ///< m²
 };
 
-/// Intersection of a held region with one part; means are area-weighted.
+/// Intersection of a held region with one part, or a part next to one whose surface is held; means are area-weighted.
 struct HeldPatch {
   Index part = 0;
   Moments held;                     ///< material inside the region
@@ -47,10 +47,13 @@ struct HeldPatch {
   std::vector<BorderPiece> border;  ///< the pieces of it
   double surfaceArea = 0.0;         ///< of the body's surface inside the region, m²
   PatchFunctions surface{};         ///< Σ area N there, m²
+  /// Of the part's surface that continues a held face beyond the edge of the region, m².
+  double uncoveredArea = 0.0;
   /// Part of that which faces away from the border: the other side of a held layer, m²
   double facingArea = 0.0;
   PatchFunctions facing{};            ///< Σ area N there, m²
   Vec3 surfaceCentre = Vec3::Zero();  ///< Σ area X, lattice axes, m³
+  Vec3 surfaceNormal = Vec3::Zero();  ///< Σ area n, lattice axes, m²
   bool thin = false;                  ///< acts as a surface: its material remains free
 };
 
