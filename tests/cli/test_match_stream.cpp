@@ -250,6 +250,8 @@ TEST_CASE("Options of a stream without effect, and wrong addresses, are refused"
   CHECK_THAT(refusal({"--stream-tool", "Stylus"}), Contains("--stream"));
   CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool-points", "100"}), Contains("--stream-tool"));
   CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool", "Stylus", "--stream-tool-points", "11"}),
-             Contains("12") && Contains("100000"));
+             Contains("12") && Contains("2000"));
+  CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool", "Stylus", "--use", "fit"}),
+             Contains("a tool measures no landmarks"));
   CHECK_THAT(refusal({"--frame-table", "t.csv", "--points", "p.csv"}), Contains("with --frames or --stream"));
 }

@@ -111,7 +111,7 @@ void declareFrames(CLI::App &app, MatchOptions &options) {
                           ->needs(stream);
   addParsed(app, "--stream-tool-points", options.streamToolPoints,
             "With --stream-tool: points of a frame, 2 mm apart or more; default: 200",
-            [](const std::string &text) { return parseWhole(text, 12, 100000); })
+            [](const std::string &text) { return parseWhole(text, 12, 2000); })
       ->type_name("N")
       ->needs(tool);
   app.add_flag("--stream-slice", options.sendsSlice,

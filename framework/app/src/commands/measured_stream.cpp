@@ -198,6 +198,9 @@ Expected<std::unique_ptr<MeasuredSource>> measuredStream(const MatchOptions &opt
                                [&session = context.session] { return session.plugins().takeError(); });
   });
   if (!found) return tl::unexpected(found.error());
+  if (!options.streamTool.empty() && (!options.use.empty() || options.weight))
+    return fail(ErrorCode::usage,
+                "--stream-tool: a tool measures no landmarks; accepted: --use and --weight without --stream-tool");
   if (landmarks->empty() && (!options.use.empty() || options.weight))
     return fail(ErrorCode::usage,
                 "--use and --weight are for landmarks; accepted: landmarks of the scene, or --landmarks");

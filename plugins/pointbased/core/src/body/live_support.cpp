@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/expects.h"
-#include "skin/rest_skin.h"
+#include "body/rest_skin.h"
 
 namespace pointbased {
 namespace {

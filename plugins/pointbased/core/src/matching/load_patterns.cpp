@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "skin/rest_skin.h"
+#include "body/rest_skin.h"
 
 namespace pointbased::detail {
 namespace {

@@ -14,7 +14,7 @@ using sdk::Error;
 
 namespace {
 
-constexpr double kSampling = 0.25;    // spacings, of the patch
+constexpr double kSupportSampling = 0.25, kLoadSampling = 0.5;  // spacings; loads as those of a scene
 constexpr double kOffSurface = 1e-3;  // of the size of a body: a patch farther outside of it is not on its surface
 constexpr std::uint64_t kMaxNumber = 1'000'000'000;
 
@@ -89,7 +89,8 @@ void SurfaceConditions::bind(Live &live) const {
   Surface surface;
   for (const Vec3 &x : patch.positions) surface.positions.push_back(x - rest.origin);
   for (const auto &t : patch.triangles) surface.triangles.push_back({t[0], t[1], t[2]});
-  const SurfacePoints samples = sampleSurface(surface, kSampling * rest.spacing, EverywhereRegion{});
+  const double sampling = live.what.isSupport() ? kSupportSampling : kLoadSampling;
+  const SurfacePoints samples = sampleSurface(surface, sampling * rest.spacing, EverywhereRegion{});
   live.corners = rest.bind(surface.positions, cornerNormalsOf(patch));
   live.start.displacements.resize(patch.positions.size(), Vec3::Zero());
   live.warning.clear();
