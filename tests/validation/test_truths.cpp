@@ -241,6 +241,21 @@ TEST_CASE("a bonded patch may lie anywhere on the lattice: 5 % with eight layers
     }
 }
 
+// The patch and a layer below it. One of 1.2 mm is thinner than a quarter of a cell of eight and ten layers.
+TEST_CASE("a held layer below a punch: 10 % with eight layers and more", "[truth]") {
+  for (const int n : {8, 10})
+    for (const char *thickness : {"1.2", "3"}) {
+      Problem problem = indentation(0.05 / n, neoHookean, 0.3, 0.002);
+      auto &box = std::get<BoxRegion>(problem.recipe.fixes.back().region);
+      box.min[2] = 0.05 - 1e-3 * std::atof(thickness);
+      box.max[2] = 0.06;
+      // Ten layers of 5 mm with 3 mm: 12 %.
+      const bool isThick = n == 10 && box.min[2] < 0.048;
+      solveAndCompare(problem, std::string("embedded_punch_") + thickness + "mm.neo_hookean", {"force_z"}, layers(n),
+                      isThick ? Limit() : Limit(0.1));
+    }
+}
+
 TEST_CASE("pressure that follows its face, and two materials", "[truth]") {
   for (const bool follows : {true, false}) {
     solveAndCompare(pressedBeam(0.02 / 5, follows),

@@ -81,6 +81,34 @@ def indented(level, order, law, depth, nu):
     return model
 
 
+def embedded(level, order, law, thickness, depth):
+    """The same with a bonded layer of material below the patch, which moves with the punch."""
+    xs = graded(0.0, 0.015, 2 * level, end=0.05)[:-1] + graded(0.015, 0.05, 3 * level, start=0.02)
+    zs = graded(0.0, 0.05 - thickness, 4 * level, end=0.02)[:-1] + graded(0.05 - thickness, 0.05, level)
+    model = Model(box((0, 0, 0), (0.05, 0.05, 0.05), (xs, xs, zs)), [material(law)], order, increment=0.2)
+    model.hold(on(2, 0.0))
+    model.hold(lambda *at: in_punch(at, thickness), lambda at, t: (0.0, 0.0, -depth * t))
+    model.mirror(0, 1)
+    return model
+
+
+def in_punch(at, thickness):
+    return max(abs(at[0]), abs(at[1])) < 0.015 + 1e-7 and at[2] > 0.05 - thickness - 1e-7
+
+
+def add_embedded_punches():
+    depth = 0.002
+    for thickness in (0.0012, 0.003):
+        add(f'embedded_punch_{thickness * 1e3:g}mm.neo_hookean', 'neo_hookean',
+            lambda level, order, law, thickness=thickness: embedded(level, order, law, thickness, depth),
+            [Quantity('force_z', 'force along z on the held layer', 'N',
+                      lambda r, thickness=thickness: 4 * r.force(lambda *at: in_punch(at, thickness), 2))],
+            {'body': body([-0.05, -0.05, 0], [0.05, 0.05, 0.05]), **properties(),
+             'fix': [{'region': plane(2, 0.0)},
+                     {'region': {'box': {'min': [-0.015, -0.015, 0.05 - thickness], 'max': [0.015, 0.015, 0.06]}},
+                      'displacement': [0, 0, -depth]}]}, levels=(1, 2, 3))
+
+
 def on_patch(x, y, z):
     return abs(z - 0.05) < 1e-7 and abs(x) < 0.015 + 1e-7 and abs(y) < 0.015 + 1e-7
 

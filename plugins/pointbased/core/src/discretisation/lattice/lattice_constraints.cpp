@@ -26,6 +26,10 @@ constexpr double kAll = 0.97, kNearlyNone = 0.03, kAllOfPart = 0.95;
 constexpr double kContinues = 0.7;
 // Of the surface of a part: a smaller covered share does not hold corners; a smaller uncovered one is no edge.
 constexpr double kCovered = 0.2, kUncovered = 0.03;
+// Of the volume of a region that acts as a surface: parts that are no thin layers, next to its edge.
+constexpr double kThick = 0.4;
+// Mean normal of a flat face, of unit normals. The cap of an ellipsoid, whose rim is no edge in a face, has 0.95.
+constexpr double kFlat = 0.97;
 // Of all free material: an unconnected piece smaller than this is a loose bit.
 constexpr double kLooseBit = 0.01;
 
@@ -165,6 +169,20 @@ bool isThin(const HeldPatch &patch, const Moments &all, double edge) {
   if (!(patch.borderArea > 0.0)) return patch.surfaceArea > 0.0 && patch.held.share < 1e-3 * all.share;
   return patch.facingArea > 0.5 * patch.borderArea &&
          patch.held.share * edge * edge * edge < kThinLayer * edge * patch.facingArea;
+}
+
+// Whether most of what a region holds are thin layers at a flat face.
+bool actsAsSurface(const CellSet &set, const LatticeCellMap &map, const std::vector<HeldPatch> &patches) {
+  double all = 0.0, thick = 0.0, area = 0.0;
+  Vec3 areaVector = Vec3::Zero();
+  for (const HeldPatch &patch : patches) {
+    const double volume = patch.held.share * std::pow(set.edge(set.cells[map.parts()[patch.part].cell]), 3);
+    all += volume;
+    if (!patch.thin) thick += volume;
+    area += patch.surfaceArea;
+    areaVector += patch.surfaceNormal;
+  }
+  return !(thick > kThick * all) && areaVector.norm() > kFlat * area;
 }
 
 Moments freeMoments(const BodyShape &shape, const CellSet &set, const CutCellFragment &part,
@@ -501,7 +519,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
           patch.held.share > 0.5 * contents[patch.part].all.share)
         whole[patch.part] = 1;
     }
-    if (isSheet(region, set.frame.unit())) addUncovered(shape, map, slots, result[r]);
+    if (actsAsSurface(set, map, result[r])) addUncovered(shape, map, slots, result[r]);
   }
   parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)
