@@ -125,6 +125,27 @@ TEST_CASE("a face that is held has its phyxels held, where there are some on it"
   for (const Vec3 &centre : rowCentres(body, body.held[0])) CHECK_THAT(centre[0], WithinAbs(0.0, 1e-9));
 }
 
+TEST_CASE("where a held part of a face ends within it, patches place its edge") {
+  // Edges at 0.4 of a cell, and on corners: those follow the patches.
+  for (const double low : {0.004, 0.0}) {
+    INFO("from z = " << low);
+    const Region part = BoxRegion{Vec3(-1e-4, -1, low), Vec3(1e-4, 1, 1)};
+    const LatticeBody body = filled(beam(), holding(0.01, part));
+    const ConstrainedRegion &held = body.held[0];
+    CHECK(held.phyxels.size() == 10);
+    for (const Index i : held.phyxels) CHECK((body.origin + body.positions[i])[2] > low + 1e-9);
+    REQUIRE(held.areas.size() == 4);
+    for (const double k : held.stiffness) CHECK(k == kEdgePatchStiffness);
+  }
+  // The other part of the face is held as well: it has no edge.
+  LatticeSampling both = holding(0.01, BoxRegion{Vec3(-1e-4, -1, -1), Vec3(1e-4, 1, 0)});
+  both.held.push_back(BoxRegion{Vec3(-1e-4, -1, 0), Vec3(1e-4, 1, 1)});
+  const LatticeBody body = filled(beam(), both);
+  REQUIRE(body.held.size() == 2);
+  CHECK(body.held[0].phyxels.size() + body.held[1].phyxels.size() == 25);
+  CHECK(body.held[0].areas.empty());
+}
+
 TEST_CASE("a beam bends as if it were clamped at the border of what is held") {
   // The same free length behind held parts of several lengths: 2.033 mm, but for the 1 % or so that a clamp by patches
   // adds at five layers. Half a spacing would be 6 %.

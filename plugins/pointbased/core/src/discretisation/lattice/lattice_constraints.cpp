@@ -204,19 +204,33 @@ Moments freeMoments(const BodyShape &shape, const CellSet &set, const CutCellFra
   return byVoxels < kAllOfPart * all ? moments : Moments{};
 }
 
+// Samples of the surface within a region, with the part of each.
+struct LocatedSamples {
+  SurfacePoints points;
+  std::vector<Index> parts;
+  std::vector<Vec3> local;  // lattice axes, from the origin of the frame, m
+};
+
+LocatedSamples locateSurface(const BodyShape &shape, const Region &region, const LatticeCellMap &map,
+                             const ParallelFor &parallelFor) {
+  const Frame &frame = map.set().frame;
+  LocatedSamples out{sampleSurface(shape.surface, kSmall * frame.unit(), region), {}, {}};
+  out.parts.resize(out.points.count());
+  out.local.resize(out.points.count());
+  parallelFor(out.points.count(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      out.local[i] = frame.axes.transpose() * (out.points.positions[i] - frame.origin);
+      out.parts[i] = map.partOf(out.local[i], frame.axes.transpose() * out.points.normals[i]);
+    }
+  });
+  return out;
+}
+
 void addSurface(const BodyShape &shape, const Region &region, const LatticeCellMap &map, std::vector<Index> &slots,
                 std::vector<HeldPatch> &patches, const ParallelFor &parallelFor) {
   if (shape.surface.triangles.empty()) return;
   const Frame &frame = map.set().frame;
-  const SurfacePoints points = sampleSurface(shape.surface, kSmall * frame.unit(), region);
-  std::vector<Index> parts(points.count());
-  std::vector<Vec3> local(points.count());
-  parallelFor(points.count(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      local[i] = frame.axes.transpose() * (points.positions[i] - frame.origin);
-      parts[i] = map.partOf(local[i], frame.axes.transpose() * points.normals[i]);
-    }
-  });
+  const auto [points, parts, local] = locateSurface(shape, region, map, parallelFor);
   for (std::size_t i = 0; i < points.count(); ++i) {
     if (slots[parts[i]] == kNone) {
       slots[parts[i]] = static_cast<Index>(patches.size());
@@ -249,9 +263,10 @@ void forPhyxels(const LatticeCellMap &map, Index part, const Visit &visit) {
     for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e) visit(corners.phyxels[e]);
 }
 
-// Surface that continues held faces beyond the edge of the region, in the parts of their corners.
-void addUncovered(const BodyShape &shape, const LatticeCellMap &map, std::vector<Index> &slots,
-                  std::vector<HeldPatch> &patches) {
+// Surface that continues held faces beyond the edge of region r, in the parts of their corners, and that no other region
+// holds.
+void addUncovered(const BodyShape &shape, std::span<const Region> regions, std::size_t r, const LatticeCellMap &map,
+                  std::vector<Index> &slots, std::vector<HeldPatch> &patches, const ParallelFor &parallelFor) {
   const Frame &frame = map.set().frame;
   std::vector<Vec3> normals(map.corners().positions.size(), Vec3::Zero());  // of held faces, by phyxel
   BoxRegion around{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
@@ -267,10 +282,16 @@ void addUncovered(const BodyShape &shape, const LatticeCellMap &map, std::vector
   if (!(around.min.array() <= around.max.array()).all()) return;
   around.min.array() -= frame.spacing;
   around.max.array() += frame.spacing;
-  const SurfacePoints points = sampleSurface(shape.surface, kSmall * frame.unit(), around);
+  const auto [points, parts, local] = locateSurface(shape, around, map, parallelFor);
+  const auto isHeldByAnother = [&](const Vec3 &x) {
+    for (std::size_t other = 0; other < regions.size(); ++other)
+      if (other != r && contains(regions[other], x) && !contains(regions[r], x)) return true;
+    return false;
+  };
   for (std::size_t i = 0; i < points.count(); ++i) {
     const Vec3 normal = frame.axes.transpose() * points.normals[i];
-    const Index part = map.partOf(frame.axes.transpose() * (points.positions[i] - frame.origin), normal);
+    const Index part = parts[i];
+    if (isHeldByAnother(points.positions[i])) continue;
     Vec3 held = Vec3::Zero();
     forPhyxels(map, part, [&](Index phyxel) { held += normals[phyxel]; });
     if (!(normal.dot(held) > kContinues * held.norm())) continue;
@@ -519,7 +540,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
           patch.held.share > 0.5 * contents[patch.part].all.share)
         whole[patch.part] = 1;
     }
-    if (actsAsSurface(set, map, result[r])) addUncovered(shape, map, slots, result[r]);
+    if (actsAsSurface(set, map, result[r])) addUncovered(shape, sampling.held, r, map, slots, result[r], parallelFor);
   }
   parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)
