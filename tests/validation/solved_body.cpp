@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../unit/pointbased/shapes.h"
 #include "validation_table.h"
 
 namespace validation {

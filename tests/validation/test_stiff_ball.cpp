@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "../unit/pointbased/shapes.h"
 #include "pointbased/adaptive_sampling.h"
 #include "pointbased/simulator.h"
 #include "solid_shapes.h"

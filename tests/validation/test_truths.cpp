@@ -225,7 +225,7 @@ TEST_CASE("indentation by a bonded patch: 3 % with ten layers", "[truth]") {
 
 // The edge of the patch is at 0.4 and 0.6 of a cell, on corners, and oblique to the cells of the face and of the depth.
 TEST_CASE("a bonded patch may lie anywhere on the lattice: 5 % with eight layers and more", "[truth]") {
-  const auto compared = [](Problem problem, const std::string &sampling) {
+  const auto compared = [](const Problem &problem, const std::string &sampling) {
     solveAndCompare(problem, "indentation_2mm_nu0.3.neo_hookean", {"force_z"}, sampling, {0.05});
   };
   for (const int n : {8, 12, 14}) {
