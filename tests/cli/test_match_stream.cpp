@@ -248,6 +248,7 @@ TEST_CASE("Options of a stream without effect, and wrong addresses, are refused"
   CHECK_THAT(refusal({"--stream", "localhost", "--stream-slice"}), Contains("the scene has no image"));
   CHECK_THAT(refusal({"--stream", "localhost", "--use", "fit"}), Contains("landmarks"));
   CHECK_THAT(refusal({"--stream-tool", "Stylus"}), Contains("--stream"));
+  CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool", ""}), Contains("the name is empty"));
   CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool-points", "100"}), Contains("--stream-tool"));
   CHECK_THAT(refusal({"--stream", "localhost", "--stream-tool", "Stylus", "--stream-tool-points", "11"}),
              Contains("12") && Contains("2000"));

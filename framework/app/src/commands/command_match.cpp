@@ -107,6 +107,9 @@ void declareFrames(CLI::App &app, MatchOptions &options) {
   CLI::Option *tool = app.add_option("--stream-tool", options.streamTool,
                                      "With --stream: collect positions of the tip of this tool, from its TRANSFORM or "
                                      "POSITION messages, instead of POINT messages")
+                          ->check([](const std::string &name) {
+                            return name.empty() ? std::string("the name is empty; accepted: the name of a tool") : "";
+                          })
                           ->type_name("NAME")
                           ->needs(stream);
   addParsed(app, "--stream-tool-points", options.streamToolPoints,
